@@ -1,0 +1,50 @@
+"""A block of codes: what every acquisition delivers and what the recorder stores."""
+
+from dataclasses import dataclass
+from enum import IntFlag
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Block", "Flag", "flag_names"]
+
+
+class Flag(IntFlag):
+    """Quality bits of one block and channel; the values are part of the session file format."""
+
+    OVERLOAD_HI = 1
+    OVERLOAD_LO = 2
+    INVALID = 4
+    OVERRUN = 8
+    GAP = 16
+    IEPE_OPEN = 32
+    IEPE_SHORT = 64
+    NOT_SETTLED = 128
+
+
+def flag_names(bits: int) -> tuple[str, ...]:
+    """Lower-case names of the bits that are set, in the order of the bits: 3 -> ("overload_hi", "overload_lo")."""
+    return tuple(str(flag.name).lower() for flag in Flag if bits & flag)
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Consecutive samples of all channels; the sample index is the only clock.
+
+    start: index of the first sample since the start of the run.
+    codes: (channels, n) int32, converter codes; volts = code * range / 2^(bits - 1).
+    flags: (channels,) uint16, bits of `Flag` that hold anywhere in the block.
+    clipped: (channels,) uint32, samples at either rail.
+    settling: the block holds samples from before the front end's filter had filled (bit NOT_SETTLED is set too).
+    """
+
+    start: int
+    codes: npt.NDArray[np.int32]
+    flags: npt.NDArray[np.uint16]
+    clipped: npt.NDArray[np.uint32]
+    settling: bool
+
+    @property
+    def count(self) -> int:
+        """Number of samples per channel."""
+        return int(self.codes.shape[1])

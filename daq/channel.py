@@ -1,0 +1,217 @@
+"""What an instrument channel is: its data sheet, its certified state, its actual state and its row in the record."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+__all__ = [
+    "AnalyzerSpec",
+    "Channel",
+    "ChannelInfo",
+    "ChannelState",
+    "NoSuchRate",
+    "Quantity",
+    "TransducerSpec",
+    "certified_state",
+    "channel_info",
+    "draw_clock_error",
+    "draw_state",
+    "ideal_analyzer",
+    "ideal_transducer",
+]  # fmt: skip
+
+Quantity = Literal["force", "acceleration"]
+
+REFERENCE_RANGE = 10.0  # V, at which AnalyzerSpec.noise_rms is stated
+REFERENCE_RATE = 51200.0  # Hz, at which AnalyzerSpec.noise_rms is stated
+LISTED_RATES = (102400.0, *(51200.0 / n for n in range(1, 32)))  # Hz, hardware.md: 102.4 kS/s and 51.2 kS/s / n
+
+
+class NoSuchRate(ValueError):
+    """No listed rate of the analyzer gives the wanted samples per cycle."""
+
+
+@dataclass(frozen=True)
+class TransducerSpec:
+    """Data sheet of a transducer, as the catalog states it.
+
+    sensitivity: V per unit. full_scale: unit. time_constant: discharge time constant in s (high-pass pole at
+    1 / (2 pi time_constant) Hz), None for a response down to DC. time_constant_spread: relative, sigma of a
+    lognormal. noise_rms: unit, white over 0..noise_bandwidth (Hz). calibration_U: relative expanded uncertainty
+    (k = 2) of the sensitivity. statuses: field name -> sourced, recalled, computed or assumed.
+    """
+
+    model: str
+    quantity: Quantity
+    unit: str
+    sensitivity: float
+    full_scale: float
+    time_constant: float | None
+    time_constant_spread: float
+    noise_rms: float
+    noise_bandwidth: float
+    calibration_U: float
+    statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    def noise_in_band(self, rate: float) -> float:
+        """Rms noise (unit) that lies in 0..rate/2, the band of a record at `rate` (Hz)."""
+        return self.noise_rms * math.sqrt(min(rate / 2, self.noise_bandwidth) / self.noise_bandwidth)
+
+
+@dataclass(frozen=True)
+class AnalyzerSpec:
+    """Data sheet of an analyzer.
+
+    rates: listed output rates in Hz. oversampling: input intervals per output sample. bits: of the converter.
+    ranges: V, each meaning +- that value. noise_rms: V rms in the output band at the 10 V range and 51.2 kS/s.
+    gain_tolerance: relative half-width of a rectangular distribution, per channel. clock_ppm: half-width of a
+    rectangular distribution of the common clock's error, in 1e-6.
+    """
+
+    model: str
+    rates: tuple[float, ...]
+    oversampling: int = 8
+    bits: int = 24
+    ranges: tuple[float, ...] = (10.0, 1.0, 0.1)
+    noise_rms: float = 50e-6
+    gain_tolerance: float = 0.003
+    clock_ppm: float = 50.0
+    statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    def rate_for(self, frequency: float, samples_per_cycle: float) -> float:
+        """Slowest listed rate (Hz) that gives at least `samples_per_cycle` at `frequency` (Hz); else NoSuchRate."""
+        wanted = frequency * samples_per_cycle
+        enough = [rate for rate in self.rates if rate >= wanted * (1 - 1e-12)]
+        if not enough:
+            best = max(self.rates) / frequency
+            raise NoSuchRate(
+                f"no rate of {self.model} gives {samples_per_cycle:g} samples per cycle at {frequency:g} Hz; "
+                f"the fastest, {max(self.rates):g} S/s, gives {best:.4g}"
+            )
+        return min(enough)
+
+    def noise_in_band(self, range_V: float, rate: float) -> float:
+        """Rms input noise in V at a range (V) and output rate (Hz): proportional to range and to sqrt(rate)."""
+        return self.noise_rms * range_V / REFERENCE_RANGE * math.sqrt(rate / REFERENCE_RATE)
+
+    def volts_per_code(self, range_V: float) -> float:
+        """Weight of one code in V: range / 2^(bits - 1)."""
+        return math.ldexp(range_V, 1 - self.bits)
+
+
+def ideal_transducer(quantity: Quantity) -> TransducerSpec:
+    """A transducer without pole, noise or calibration error.
+
+    2 mV/N and 10 mV/(m/s^2), so that the usual ranges of 10 V and 1 V read 5 kN and 100 m/s^2 at full scale.
+    """
+    unit, sensitivity, full_scale = {"force": ("N", 2e-3, 5000.0), "acceleration": ("m/s^2", 1e-2, 100.0)}[quantity]
+    return TransducerSpec("ideal", quantity, unit, sensitivity, full_scale, None, 0.0, 0.0, 1e4, 0.0)
+
+
+def ideal_analyzer() -> AnalyzerSpec:
+    """An analyzer without noise, gain error or clock error. It still filters, samples and rounds to 24 bit codes."""
+    return AnalyzerSpec("ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The certified state of a channel: what the laboratory knows and the file says. range_V: +- that value in V."""
+
+    name: str
+    transducer: TransducerSpec
+    range_V: float
+    serial: str
+    direction: str
+    calibration_date: str = ""
+    coupling: str = "DC"
+
+
+@dataclass(frozen=True)
+class ChannelState:
+    """The actual state of a channel. sensitivity: V per unit; time_constant: s, None for DC; gain: of the analyzer."""
+
+    sensitivity: float
+    time_constant: float | None
+    gain: float
+
+
+def certified_state(channel: Channel) -> ChannelState:
+    """The state in which the instrument is exactly what its certificate says."""
+    return ChannelState(channel.transducer.sensitivity, channel.transducer.time_constant, 1.0)
+
+
+def draw_state(channel: Channel, analyzer: AnalyzerSpec, rng: np.random.Generator) -> ChannelState:
+    """Draw a channel's actual state from its certificate.
+
+    Sensitivity: normal, standard uncertainty calibration_U / 2. Time constant: lognormal about the certified value.
+    Gain: rectangular, 1 +- gain_tolerance. Always the same three draws, so that leaving the pole out changes no other.
+    """
+    spec = channel.transducer
+    z_sensitivity, z_pole = rng.standard_normal(2)
+    u_gain = rng.uniform(-1.0, 1.0)
+    pole = spec.time_constant
+    return ChannelState(
+        sensitivity=spec.sensitivity * (1 + spec.calibration_U / 2 * float(z_sensitivity)),
+        time_constant=None if pole is None else pole * math.exp(spec.time_constant_spread * float(z_pole)),
+        gain=1 + analyzer.gain_tolerance * float(u_gain),
+    )
+
+
+def draw_clock_error(analyzer: AnalyzerSpec, rng: np.random.Generator) -> float:
+    """Draw the relative error of the analyzer's common clock: rectangular, +- clock_ppm. Actual rate = rate (1 + e)."""
+    return analyzer.clock_ppm * 1e-6 * float(rng.uniform(-1.0, 1.0))
+
+
+@dataclass(frozen=True)
+class ChannelInfo:
+    """A row of the channel table in the session file: all that the analysis may know about a channel.
+
+    Engineering value = (code * scale + offset) / sensitivity, in `unit`. scale, offset: V. sensitivity: V per unit
+    (certified). time_constant: s, None for DC. filter_delay: samples; drive time of sample n = (n - filter_delay) /
+    rate + skew. skew: s. calibration_U: relative, k = 2. gain_tolerance, time_constant_spread: relative (rectangular
+    half-width, lognormal sigma). clock_ppm: rectangular half-width, 1e-6. noise_rms: unit, in the band of the record.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    model: str
+    serial: str
+    direction: str
+    coupling: str
+    range_V: float
+    scale: float
+    offset: float
+    sensitivity: float
+    time_constant: float | None
+    time_constant_spread: float
+    filter_delay: float
+    skew: float
+    calibration_date: str
+    calibration_U: float
+    gain_tolerance: float
+    clock_ppm: float
+    noise_rms: float
+
+    @property
+    def pole_Hz(self) -> float:
+        """Corner of the certified high-pass pole in Hz; 0 for a response down to DC."""
+        return 0.0 if self.time_constant is None else 1 / (2 * math.pi * self.time_constant)
+
+
+def channel_info(channel: Channel, analyzer: AnalyzerSpec, rate: float, filter_delay: float) -> ChannelInfo:
+    """The channel table row of a channel read by an analyzer at `rate` (Hz). Certified values only."""
+    spec = channel.transducer
+    sensor, converter = spec.noise_in_band(rate), analyzer.noise_in_band(channel.range_V, rate) / spec.sensitivity
+    return ChannelInfo(
+        name=channel.name, quantity=spec.quantity, unit=spec.unit, model=spec.model, serial=channel.serial,
+        direction=channel.direction, coupling=channel.coupling, range_V=channel.range_V,
+        scale=analyzer.volts_per_code(channel.range_V), offset=0.0, sensitivity=spec.sensitivity,
+        time_constant=spec.time_constant, time_constant_spread=spec.time_constant_spread,
+        filter_delay=filter_delay, skew=0.0, calibration_date=channel.calibration_date,
+        calibration_U=spec.calibration_U, gain_tolerance=analyzer.gain_tolerance, clock_ppm=analyzer.clock_ppm,
+        noise_rms=math.hypot(sensor, converter),
+    )  # fmt: skip
