@@ -1,0 +1,52 @@
+"""Bad input: what was found, what is allowed, and where, for every mistake at once."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+LONGEST_QUOTE = 60
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake in what a user gave.
+
+    `where` is `file:line` or the command-line option, `field` the full path of the key (both may be empty),
+    `found` and `allowed` are phrases, `hint` a whole question or advice such as "did you mean 'fill'?".
+    """
+
+    where: str
+    field: str
+    found: str
+    allowed: str
+    hint: str = ""
+
+    def __str__(self) -> str:
+        place = "".join(f"{part}: " for part in (self.where, self.field) if part)
+        advice = f"; {self.hint}" if self.hint else ""
+        return f"{place}found {self.found}; allowed: {self.allowed}{advice}"
+
+
+class InputError(Exception):
+    """Input that cannot be used; `mistakes` lists everything that is wrong with it, str() one line for each."""
+
+    def __init__(self, *mistakes: Mistake) -> None:
+        super().__init__(*mistakes)
+        self.mistakes: tuple[Mistake, ...] = mistakes
+
+    def __str__(self) -> str:
+        return "\n".join(str(mistake) for mistake in self.mistakes)
+
+
+def quote(value: object) -> str:
+    """A user's value for a message: shortened, control characters escaped."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
+
+
+def nearest(word: str, choices: Iterable[str]) -> str:
+    """The hint "did you mean ...?" for a misspelt word, or "" where nothing is near."""
+    close = difflib.get_close_matches(word[:LONGEST_QUOTE], list(choices), n=1, cutoff=0.6)
+    return f"did you mean {close[0]!r}?" if close else ""

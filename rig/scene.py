@@ -1,0 +1,179 @@
+"""What is tested and how: SI numbers, no files. The annotations are the protocol's grammar: meaning, unit and range
+of every field stand here once and the strict reader checks against them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from rig.units import Quantity
+
+SCHEMA = "rig/protocol/1"
+BEDS = ("empty", "locked", "dashpot", "slug", "layers", "grains")
+BUILT_BEDS = ("empty", "locked", "dashpot", "layers")
+HORIZONTAL_ONLY_BEDS = ("layers",)
+LOSSES = ("noise", "air", "gas", "mount")
+BUILT_LOSSES = ("noise", "air")
+MODES = ("servo", "coupled")
+BUILT_MODES = ("servo",)
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """The words that a text field may hold."""
+
+    words: tuple[str, ...]
+
+
+Size = Annotated[float, Quantity("length", 0.0, 20.0, above=True)]
+Small = Annotated[float, Quantity("length", 0.0, 0.5, above=True)]
+Fraction = Annotated[float, Quantity("number", 0.0, 1.0)]
+Axis = Literal["horizontal", "vertical", "zero_gravity"]
+Support = Literal["none", "cords", "guide"]
+Mode = Literal["servo", "coupled"]
+Imperfection = Literal["default", "none"]
+
+
+@dataclass(frozen=True)
+class Cavity:
+    """Inner sizes of the box and its wall thickness, m; `length` lies along a horizontal drive axis."""
+
+    length: Size = 0.15
+    width: Size = 0.15
+    height: Size = 0.4
+    wall: Small = 0.005
+
+
+@dataclass(frozen=True)
+class Grains:
+    """Balls: catalog material, diameter in m, fill as a fraction of the cavity's volume; `density` in kg/m^3 overrides
+    the catalog's (None until conditions are built)."""
+
+    material: str = "stainless"
+    diameter: Small = 0.004
+    fill: Fraction = 0.85
+    density: Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)] = None
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Bed `layers` (model.md, closed tier): mean free play in units of dl, its relative spread, strata per layer."""
+
+    play: Annotated[float, Quantity("number", 0.0, 1000.0)] = 1.0
+    spread: Fraction = 0.5
+    rows: Annotated[int, Quantity("number", 1, 10000)] = 8
+    side_walls: bool = False
+
+
+@dataclass(frozen=True)
+class Slug:
+    """Bed `slug`: restitution, free gap in m (None = from the fill, "none" = no walls and no lid), friction."""
+
+    restitution: Fraction = 0.0
+    gap: Annotated[float | Literal["none"] | None, Quantity("length", 0.0, 20.0)] = None
+    friction: Annotated[float, Quantity("number", 0.0, 10.0)] = 0.0
+
+
+@dataclass(frozen=True)
+class Dashpot:
+    """Bed `dashpot`: a viscous damper to the ground, N s/m."""
+
+    c: Annotated[float, Quantity("damping", 0.0, 1e9)] = 50.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The box, what is in it and what else takes energy from it."""
+
+    cavity: Cavity = Cavity()
+    axis: Axis = "horizontal"
+    grains: Grains = Grains()
+    bed: Annotated[str, OneOf(BEDS)] = "layers"
+    losses: Annotated[tuple[str, ...], OneOf(LOSSES)] = ("noise", "air")
+    support: Support = "none"
+    layers: Layers = Layers()
+    slug: Slug = Slug()
+    dashpot: Dashpot = Dashpot()
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform."""
+
+    mode: Mode = "servo"
+    frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 20.0
+    acceleration: Annotated[float, Quantity("acceleration", 0.0, 10000.0, above=True)] = 5.0
+    imperfection: Imperfection = "default"
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Catalog names of the transducers; "ideal" leaves one out."""
+
+    force: str = "208C03"
+    acceleration: str = "352C33"
+
+
+@dataclass(frozen=True)
+class Acquire:
+    """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record."""
+
+    analyzer: str = "INV-3118"
+    samples_per_cycle: Annotated[int, Quantity("number", 8, 1000000)] = 500
+    settle: Annotated[int, Quantity("cycles", 1, 10000000)] = 10
+    record: Annotated[int, Quantity("cycles", 1, 10000000)] = 40
+    sensors: Sensors = Sensors()
+    allow_undersampled: bool = False
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Runs per condition; `refill` draws a new packing for each."""
+
+    n: Annotated[int, Quantity("number", 1, 10000)] = 4
+    refill: bool = True
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One point of the grid with every value resolved. `seed_key` is the content that seeds its random streams: scene
+    without losses and support, drive without imperfection, no acquisition, so that changing those keeps the bed."""
+
+    id: str
+    scene: Scene
+    drive: Drive
+    acquire: Acquire
+    seed_key: str
+
+
+@dataclass(frozen=True)
+class Vary:
+    """One axis of the grid: row k of `rows` holds the k-th value of each of `paths`. Several paths vary together."""
+
+    paths: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """An experiment as written; the grid runs over `vary` in the order written, the last axis fastest."""
+
+    name: str
+    schema: str = SCHEMA
+    rig: str = "default"
+    question: str = ""
+    scene: Scene = Scene()
+    drive: Drive = Drive()
+    acquire: Acquire = Acquire()
+    vary: tuple[Vary, ...] = ()
+    repeats: Repeats = Repeats()
+    seed: Annotated[int, Quantity("number", 0, 2**63 - 1)] = 2015
+    faults: tuple[Mapping[str, Any], ...] = ()
+    expect: tuple[Mapping[str, Any], ...] = ()
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Every condition of the grid, checked and resolved; InputError lists what does not fit together."""
+        from rig.grid import expand
+
+        return expand(self)

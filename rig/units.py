@@ -1,0 +1,120 @@
+"""Quantities: text with a unit to SI numbers and back, exactly."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+
+GRAVITY = 9.80665
+"""Standard gravity, m/s^2, exact by definition (3rd CGPM, 1901)."""
+
+_G = Decimal("9.80665")
+_DEGREE = Decimal("0.01745329251994329576923690768488612713")
+_ONE, _MILLI, _MICRO, _KILO = Decimal(1), Decimal("0.001"), Decimal("0.000001"), Decimal(1000)
+
+UNITS: Mapping[str, Mapping[str, Decimal]] = {
+    "number": {"": _ONE, "%": Decimal("0.01"), "ppm": _MICRO},
+    "cycles": {"cycles": _ONE, "cycle": _ONE},
+    "length": {"m": _ONE, "mm": _MILLI, "cm": Decimal("0.01"), "um": _MICRO},
+    "mass": {"kg": _ONE, "g": _MILLI},
+    "time": {"s": _ONE, "ms": _MILLI, "us": _MICRO},
+    "frequency": {"Hz": _ONE, "kHz": _KILO},
+    "rate": {"S/s": _ONE, "kS/s": _KILO, "Hz": _ONE, "kHz": _KILO},
+    "force": {"N": _ONE, "kN": _KILO, "mN": _MILLI},
+    "voltage": {"V": _ONE, "mV": _MILLI, "uV": _MICRO},
+    "current": {"A": _ONE, "mA": _MILLI},
+    "acceleration": {"m/s^2": _ONE, "m/s2": _ONE, "g": _G, "mg": _G * _MILLI},
+    "stiffness": {"N/m": _ONE, "kN/m": _KILO},
+    "damping": {"N s/m": _ONE, "N*s/m": _ONE},
+    "quadratic damping": {"N s^2/m^2": _ONE, "N*s^2/m^2": _ONE},
+    "density": {"kg/m^3": _ONE, "kg/m3": _ONE, "g/cm^3": _KILO, "g/cm3": _KILO},
+    "pressure": {"Pa": _ONE, "kPa": _KILO, "MPa": Decimal(10) ** 6, "GPa": Decimal(10) ** 9},
+    "angle": {"rad": _ONE, "mrad": _MILLI, "deg": _DEGREE},
+    "force constant": {"N/A": _ONE},
+    "resistance": {"ohm": _ONE, "kohm": _KILO},
+    "inductance": {"H": _ONE, "mH": _MILLI, "uH": _MICRO},
+    "force sensitivity": {"V/N": _ONE, "mV/N": _MILLI},
+    "acceleration sensitivity": {"V/(m/s^2)": _ONE, "mV/(m/s^2)": _MILLI, "V/g": _ONE / _G, "mV/g": _MILLI / _G},
+}
+"""Dimension -> unit -> its size in the SI unit, which comes first. A plain number is in that first unit."""
+
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].{0,20})?\s*", re.ASCII)
+_LONGEST_TEXT = 64
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number means and may be: `least` <= value <= `most`, or `least` < value where `above`."""
+
+    dimension: str = "number"
+    least: float = -math.inf
+    most: float = math.inf
+    above: bool = False
+
+    def holds(self, value: float) -> bool:
+        return (value > self.least if self.above else value >= self.least) and value <= self.most
+
+    def __str__(self) -> str:
+        """The allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm, cm, um)"."""
+        parts = []
+        if math.isfinite(self.least):
+            parts.append(f"{'above' if self.above else 'at least'} {_short(self.least, self.dimension)}")
+        if math.isfinite(self.most):
+            parts.append(f"at most {_short(self.most, self.dimension)}")
+        return f"{', '.join(parts) or 'a number'} ({allowed_units(self.dimension)})"
+
+
+class UnitError(ValueError):
+    """A text that is no quantity of the wanted dimension; the message names the units that are."""
+
+
+def unit_of(dimension: str) -> str:
+    """The SI unit of a dimension, "" for plain numbers."""
+    return next(iter(UNITS[dimension]))
+
+
+def allowed_units(dimension: str) -> str:
+    if dimension == "number":
+        return "a plain number or %"
+    return f"units {', '.join(UNITS[dimension])}"
+
+
+def parse_quantity(text: str, dimension: str) -> float:
+    """SI value of a text such as "150 mm", correctly rounded.
+
+    Raises UnitError for text that is no number, a missing or foreign unit, and numbers beyond the floating range.
+    """
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST_TEXT else None
+    if match is None:
+        raise UnitError(f"a number with a unit ({allowed_units(dimension)})")
+    digits, unit = match.group(1), " ".join((match.group(2) or "").split())
+    scale = UNITS[dimension].get(unit)
+    if scale is None:
+        raise UnitError(f"a number with a unit ({allowed_units(dimension)})")
+    value = float(digits)
+    if value and math.isfinite(value) and scale != 1:
+        value = float(Decimal(digits) * scale)
+    if not math.isfinite(value):
+        raise UnitError("a finite number")
+    return value
+
+
+def format_quantity(value: float, dimension: str) -> str:
+    """Text with the SI unit that parse_quantity reads back to the same number, bit for bit."""
+    return f"{value!r} {unit_of(dimension)}".rstrip()
+
+
+def suggest_unit(value: float, quantity: Quantity) -> str:
+    """A hint where a plain number out of range makes sense in another unit: 150 m, "did you mean 150 mm?"."""
+    for unit, scale in UNITS[quantity.dimension].items():
+        if scale < 1 and math.isfinite(value) and quantity.holds(value * float(scale)):
+            plain = f"{value:g} {unit_of(quantity.dimension)}".rstrip()
+            return f"{value:g} is {plain}; did you mean {value:g} {unit}?"
+    return ""
+
+
+def _short(value: float, dimension: str) -> str:
+    return f"{value:g} {unit_of(dimension)}".rstrip()
