@@ -1,0 +1,70 @@
+"""Clearing the consistency flags that a killed HDF5 writer leaves behind.
+
+HDF5 marks a file as open for writing in its superblock (file format specification 3.0, section II.A, "File Consistency
+Flags": bit 0 open for writing, bit 2 open for single-writer/multiple-reader). A killed writer leaves the mark, and the
+library then refuses to open the file for writing. A session's metadata never change after creation, so removing
+the mark is safe once no writer is alive. The superblock (versions 2 and 3) ends with a lookup3 checksum.
+"""
+
+import os
+from pathlib import Path
+
+__all__ = ["clear_consistency_flags", "lookup3"]
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+OPEN_FOR_WRITE, OPEN_FOR_SWMR = 1, 4
+VERSION_AT, OFFSET_SIZE_AT, FLAGS_AT, ADDRESSES_AT = 8, 9, 11, 12
+
+
+def lookup3(data: bytes, initial: int = 0) -> int:
+    """Lookup3 hash (hashlittle; Bob Jenkins, burtleburtle.net/bob/c/lookup3.c) of `data`: HDF5's metadata checksum."""
+    mask = 0xFFFFFFFF
+    a = b = c = (0xDEADBEEF + len(data) + initial) & mask
+    if not data:
+        return c
+
+    def rotated(x: int, k: int) -> int:
+        return ((x << k) | (x >> (32 - k))) & mask
+
+    words = [int.from_bytes(data[i : i + 4], "little") for i in range(0, len(data), 4)]
+    words += [0] * (-len(words) % 3)
+    for i in range(0, len(words) - 3, 3):
+        a, b, c = (a + words[i]) & mask, (b + words[i + 1]) & mask, (c + words[i + 2]) & mask
+        a, c = ((a - c) & mask) ^ rotated(c, 4), (c + b) & mask
+        b, a = ((b - a) & mask) ^ rotated(a, 6), (a + c) & mask
+        c, b = ((c - b) & mask) ^ rotated(b, 8), (b + a) & mask
+        a, c = ((a - c) & mask) ^ rotated(c, 16), (c + b) & mask
+        b, a = ((b - a) & mask) ^ rotated(a, 19), (a + c) & mask
+        c, b = ((c - b) & mask) ^ rotated(b, 4), (b + a) & mask
+    a, b, c = (a + words[-3]) & mask, (b + words[-2]) & mask, (c + words[-1]) & mask
+    c = ((c ^ b) - rotated(b, 14)) & mask
+    a = ((a ^ c) - rotated(c, 11)) & mask
+    b = ((b ^ a) - rotated(a, 25)) & mask
+    c = ((c ^ b) - rotated(b, 16)) & mask
+    a = ((a ^ c) - rotated(c, 4)) & mask
+    b = ((b ^ a) - rotated(a, 14)) & mask
+    return ((c ^ b) - rotated(b, 24)) & mask
+
+
+def clear_consistency_flags(path: Path) -> bool:
+    """Clear the open-for-writing marks of the HDF5 file at `path`; True when there were any.
+
+    Only call it when no process has the file open for writing. Raises ValueError where the file does not begin with
+    an intact version 2 or 3 superblock, OSError where it cannot be read or written.
+    """
+    with path.open("r+b") as file:
+        head = file.read(ADDRESSES_AT)
+        if len(head) < ADDRESSES_AT or head[:8] != SIGNATURE or head[VERSION_AT] not in (2, 3):
+            raise ValueError(f"{path} does not begin with an HDF5 superblock of version 2 or 3")
+        body = head + file.read(4 * head[OFFSET_SIZE_AT])
+        if lookup3(body) != int.from_bytes(file.read(4), "little"):
+            raise ValueError(f"the HDF5 superblock of {path} is damaged (its checksum is wrong)")
+        flags = body[FLAGS_AT] & ~(OPEN_FOR_WRITE | OPEN_FOR_SWMR)
+        if flags == body[FLAGS_AT]:
+            return False
+        body = body[:FLAGS_AT] + bytes([flags]) + body[FLAGS_AT + 1 :]
+        file.seek(0)
+        file.write(body + lookup3(body).to_bytes(4, "little"))
+        file.flush()
+        os.fsync(file.fileno())
+        return True
