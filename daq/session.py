@@ -11,13 +11,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import h5py
 import numpy as np
 import numpy.typing as npt
-from h5py import h5d, h5s
 
 from daq.block import Block, Flag
 from daq.hdf5_flags import clear_consistency_flags
+from daq.session_hdf5 import dataset, open_file, read_rows, write_rows
 from daq.session_layout import build_session
 from daq.session_plan import RunInfo, RunPlan, SessionError, SessionPlan, Signal, block_dtype, status_dtype
 from daq.session_record import Record, Truth, open_session
@@ -29,15 +28,15 @@ __all__ = ["Record", "Recorder", "RunInfo", "RunPlan", "SessionError", "SessionP
 class Recorder:
     """The one writer of a session file; all calls from one thread. Use `create` or `resume`."""
 
-    def __init__(self, file: h5py.File, path: Path, lock: WriterLock) -> None:
+    def __init__(self, file: Any, path: Path, lock: WriterLock) -> None:
         self._file = file
         self._lock = lock
-        self._record = Record(file, str(path))
+        self._record = Record(file, path)
         self._infos = {info.name: info for info in self._record.runs}
         self._index = {name: position for position, name in enumerate(self._infos)}
         self._channels = tuple(self._record.channels)
         self._scalar_names: tuple[str, ...] = tuple(self._record.document("scalars"))
-        self._rows = file["session/status"][()]
+        self._rows = read_rows(dataset(file, "session/status"), status_dtype, 0, len(self._infos))
         self._open: dict[str, Any] = {}
 
     @classmethod
@@ -53,7 +52,7 @@ class Recorder:
         lock = _locked(final)
         part = final.with_name(final.name + ".part")
         try:
-            file = h5py.File(part, "w", libver="latest")
+            file = open_file(part, "w")
             try:
                 build_session(file, plan)
                 file.swmr_mode = True
@@ -81,7 +80,7 @@ class Recorder:
         lock = _locked(final)
         try:
             clear_consistency_flags(final)
-            file = h5py.File(final, "r+", libver="latest")
+            file = open_file(final, "r+")
             try:
                 file.swmr_mode = True
                 recorder = cls(file, final, lock)
@@ -179,18 +178,13 @@ class Recorder:
 
     def _dataset(self, path: str) -> Any:
         if path not in self._open:
-            self._open[path] = h5d.open(self._file.id, path.encode())
+            self._open[path] = dataset(self._file, path)
         return self._open[path]
 
     def _write(self, path: str, first: int, rows: npt.NDArray[Any]) -> None:
         """Write rows from `first` on and flush them."""
-        dataset = self._dataset(path)
-        start = (first, *(0 for _ in rows.shape[1:]))
         try:
-            space = dataset.get_space()
-            space.select_hyperslab(start, rows.shape)
-            dataset.write(h5s.create_simple(rows.shape), space, rows)
-            dataset.flush()
+            write_rows(self._dataset(path), first, rows)
         except (OSError, RuntimeError) as error:
             raise SessionError(f"cannot write to the session: {error}") from error
 

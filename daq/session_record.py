@@ -9,12 +9,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import h5py
 import numpy as np
 import numpy.typing as npt
 
 from daq.channel import ChannelInfo
-from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal
+from daq.session_hdf5 import dataset, has, open_file, read_attributes, read_rows, read_text
+from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, status_dtype
 
 __all__ = ["Record", "Truth", "open_session"]
 
@@ -26,11 +26,11 @@ def open_session(path: Path | str) -> "Record":
 
     Raises SessionError where there is no such file, or it is not an intact session of this schema.
     """
-    place = str(path)
-    if not Path(path).is_file():
+    place = Path(path)
+    if not place.is_file():
         raise SessionError(f"there is no session file {place}")
     try:
-        file = h5py.File(place, "r", libver="latest", swmr=True)
+        file = open_file(place, "r", swmr=True)
     except (OSError, RuntimeError, ValueError) as error:
         raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
     try:
@@ -41,26 +41,28 @@ def open_session(path: Path | str) -> "Record":
 
 
 class Record:
-    """A session as the analysis sees it. Raises SessionError for anything that the file does not hold as it should.
+    """A session as the analysis sees it; `open_session` or `Recorder.record` gives one. Any thread may read.
 
-    Only hard links are followed, so that a foreign file cannot point the reader at other files. Any thread may read.
+    Raises SessionError for anything that the file does not hold as it should. Only hard links are followed, so that a
+    foreign file cannot point the reader at other files.
     """
 
-    def __init__(self, file: h5py.File, path: str) -> None:
+    def __init__(self, file: Any, path: Path) -> None:
         self._file = file
         self._path = path
         self._live = file.mode == "r"  # another process may be writing; a recorder's own handle sees its writes
-        with self._readable():
-            self.schema: str = _string(file.attrs.get("schema", ""))
+        with self.readable():
+            root = read_attributes(file, "")
+            self.schema = str(root.get("schema", "none"))
             if self.schema != SCHEMA:
-                raise SessionError(f"{path} is not a session: schema {self.schema!r}, expected {SCHEMA!r}")
-            self.synthetic: bool = bool(file.attrs["synthetic"])
-            self.rate: float = float(_child(file, "session").attrs["rate"])
-            self._plans = {row["name"]: RunPlan(**row) for row in self._known("runs")}
+                raise SessionError(f"{path} is not a session: its schema is {self.schema}, expected {SCHEMA}")
+            self.synthetic = bool(root["synthetic"])
+            self.rate = float(read_attributes(file, "session")["rate"])
+            self._plans = {str(row["name"]): RunPlan(**row) for row in self._json("session/runs")}
             self._index = {name: position for position, name in enumerate(self._plans)}
-            self._status = _dataset(file, "session/status")
-            if self._status.shape != (len(self._plans),):
-                raise SessionError(f"{path}: the status table does not match the list of runs")
+            self._scalar_names = tuple(str(name) for name in self._json("session/scalars"))
+            if dataset(file, "session/status").shape != (len(self._plans),):
+                raise SessionError(f"{path} is damaged: its status table does not match its list of runs")
 
     def __enter__(self) -> "Record":
         return self
@@ -78,16 +80,12 @@ class Record:
     @property
     def runs(self) -> tuple[RunInfo, ...]:
         """All runs in the order of the plan, with what is valid now."""
-        with self._readable():
-            rows = self._fresh(self._status)[()]
-            return tuple(_run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
+        rows = self.rows("session/status", status_dtype, 0, len(self._plans))
+        return tuple(_run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
 
     def run(self, name: str) -> RunInfo:
         """One run, with what is valid now."""
-        if name not in self._index:
-            raise SessionError(f"{self._path} has no run {name!r}")
-        with self._readable():
-            return _run_info(self._plans[name], self._fresh(self._status)[self._index[name]])
+        return _run_info(self._plans[name], self._status(name))
 
     @property
     def complete(self) -> bool:
@@ -97,72 +95,100 @@ class Record:
     @cached_property
     def conditions(self) -> dict[str, dict[str, Any]]:
         """Conditions by id, in the order of the plan."""
-        with self._readable():
-            return {str(condition["id"]): condition for condition in self._known("conditions")}
+        with self.readable():
+            return {str(condition["id"]): condition for condition in self._json("session/conditions")}
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
         """The channel table by name, in row order."""
-        with self._readable():
-            table = _child(self._file, "session/channels")
-            attributes = [dict(_child(table, name).attrs) for name in table]
-            attributes.sort(key=lambda row: int(row["position"]))
-            return {info.name: info for info in map(_channel_info, attributes)}
+        with self.readable():
+            if not has(self._file, "session/channels"):
+                raise KeyError("session/channels is missing")
+            names = list(self._file["session/channels"])
+            rows = [read_attributes(self._file, f"session/channels/{name}") for name in names]
+            rows.sort(key=lambda row: int(row["position"]))
+            return {info.name: info for info in map(_channel_info, rows)}
 
     @cached_property
     def protocol_text(self) -> str:
         """The protocol file, verbatim."""
-        with self._readable():
-            return _string(_dataset(self._file, "session/protocol_text")[()])
+        with self.readable():
+            return read_text(dataset(self._file, "session/protocol_text"))
 
     @property
     def truth(self) -> "Truth | None":
         """What only a simulation can know; None for records without it."""
-        return Truth(self) if "truth" in _child(self._file, "session") else None
+        with self.readable():
+            return Truth(self) if has(self._file, "session/truth") else None
 
     def document(self, name: str) -> Any:
         """The JSON value of a session document ("prediction", "rig", "protocol"...), None where there is none."""
-        return self._document(f"session/{name}")
+        return self.json_or_none(f"session/{name}")
 
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
         """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
-        info = self.run(run)
         channel = self._channel(name)
         codes = self.codes(run, name, start, stop)
-        samples = codes * (channel.scale / channel.sensitivity)
+        samples = codes.astype(np.float64)
+        samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
-        flags = self._flags(run, name, start, start + len(codes))
-        return Signal(samples, info.rate, channel.unit, flags)
+        return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit,
+                      self._flags(run, name, start, start + len(codes)))  # fmt: skip
 
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
         """Converter codes start..stop (default: all valid ones) of a channel, int32."""
-        valid = self.run(run).samples
+        valid = int(self._status(run)["samples"])
         last = valid if stop is None else stop
         if not 0 <= start <= last <= valid:
             raise SessionError(f"{run} has {valid} valid samples; {start} to {last} was asked for")
-        with self._readable():
-            data = self._fresh(_dataset(self._file, f"{run}/data/{self._channel(name).name}"))
-            codes: Codes = np.asarray(data[start:last], dtype=np.int32)
-        if len(codes) != last - start:
-            raise SessionError(f"{self._path}: {run} holds fewer {name} samples than its status says")
-        return codes
+        return self.rows(f"{run}/data/{self._channel(name).name}", "<i4", start, last)
 
     def blocks(self, run: str) -> npt.NDArray[np.void]:
         """The blocks recorded so far: start, count, flags and clipped (one column per channel)."""
-        with self._readable():
-            used = int(self._fresh(self._status)[self._index[self.run(run).name]]["blocks"])
-            blocks: npt.NDArray[np.void] = self._fresh(_dataset(self._file, f"{run}/blocks"))[:used]
-            return blocks
+        return self.rows(f"{run}/blocks", block_dtype(len(self.channels)), 0, int(self._status(run)["blocks"]))
 
     def scalars(self, run: str) -> dict[str, float]:
         """The floats that the run ended with, by name; empty where it is not complete."""
-        names = self._known("scalars")
-        if not names or not self.run(run).complete:
+        if not self._scalar_names or not self._status(run)["complete"]:
             return {}
-        with self._readable():
-            values = self._fresh(_dataset(self._file, f"{run}/scalars"))[()]
-            return dict(zip(names, (float(value) for value in values), strict=True))
+        values = self.rows(f"{run}/scalars", "<f8", 0, len(self._scalar_names))
+        return dict(zip(self._scalar_names, values.tolist(), strict=True))
+
+    def rows(self, path: str, dtype: npt.DTypeLike, start: int, stop: int | None = None) -> npt.NDArray[Any]:
+        """Rows of a dataset of the session (default: to its end) as `dtype`, as they are now."""
+        with self.readable():
+            source = dataset(self._file, path)
+            if self._live:
+                source.refresh()
+            return read_rows(source, dtype, start, source.shape[0] if stop is None else stop)
+
+    def attributes(self, path: str) -> dict[str, Any]:
+        """Attributes of a group or dataset of the session."""
+        with self.readable():
+            return read_attributes(self._file, path)
+
+    def json_or_none(self, path: str) -> Any:
+        """The JSON value of the text dataset at `path`, None where there is none."""
+        with self.readable():
+            return self._json(path) if has(self._file, path) else None
+
+    @contextmanager
+    def readable(self) -> Iterator[None]:
+        """Turn what h5py and the decoders raise on a foreign or damaged file into a SessionError."""
+        try:
+            yield
+        except (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
+            raise SessionError(f"{self._path} is damaged or not a session: {error}") from error
+
+    def _json(self, path: str) -> Any:
+        return json.loads(read_text(dataset(self._file, path)))
+
+    def _status(self, run: str) -> Any:
+        if run not in self._index:
+            raise SessionError(f"{self._path} has no run {run!r}")
+        index = self._index[run]
+        return self.rows("session/status", status_dtype, index, index + 1)[0]
 
     def _flags(self, run: str, name: str, start: int, stop: int) -> int:
         blocks = self.blocks(run)
@@ -175,32 +201,6 @@ class Record:
             raise SessionError(f"no channel {name!r}; the session has {', '.join(self.channels)}")
         return self.channels[name]
 
-    def _fresh(self, dataset: Any) -> Any:
-        if self._live:
-            dataset.refresh()
-        return dataset
-
-    def _known(self, name: str) -> Any:
-        value = self._document(f"session/{name}")
-        if value is None:
-            raise SessionError(f"{self._path} is not an intact session: {name} is missing")
-        return value
-
-    def _document(self, path: str) -> Any:
-        with self._readable():
-            parent, _, name = path.rpartition("/")
-            if name not in _child(self._file, parent):
-                return None
-            return json.loads(_string(_dataset(self._file, path)[()]))
-
-    @contextmanager
-    def _readable(self) -> Iterator[None]:
-        """Turn what h5py and the decoders raise on a foreign or damaged file into a SessionError."""
-        try:
-            yield
-        except (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
-            raise SessionError(f"{self._path} is not an intact session: {error}") from error
-
 
 class Truth:
     """The simulation's own account; nothing that a laboratory record has."""
@@ -210,35 +210,12 @@ class Truth:
 
     def ledger(self, run: str) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
         """Column names and the ledger, (cycles, columns), J per cycle counted from drive time 0."""
-        record = self._record
-        with record._readable():
-            table = record._fresh(_dataset(record._file, f"{record.run(run).name}/truth/ledger"))
-            return tuple(_string(name) for name in table.attrs["columns"]), np.asarray(table[()], dtype=np.float64)
+        path = f"{self._record.run(run).name}/truth/ledger"
+        return tuple(self._record.attributes(path)["columns"]), self._record.rows(path, "<f8", 0)
 
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""
-        return self._record._document(f"session/truth/{name}")
-
-
-def _child(group: Any, path: str) -> Any:
-    """The object at `path` below `group`, through hard links only."""
-    for name in path.split("/"):
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise SessionError(f"{group.file.filename} is not an intact session: {group.name}/{name} is missing")
-        group = group[name]
-    return group
-
-
-def _dataset(group: Any, path: str) -> Any:
-    """The dataset at `path`, with its bytes in this file."""
-    found = _child(group, path)
-    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external:
-        raise SessionError(f"{group.file.filename} is not an intact session: {path} is not a plain dataset")
-    return found
-
-
-def _string(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)
+        return self._record.json_or_none(f"session/truth/{name}")
 
 
 def _run_info(plan: RunPlan, status: Any) -> RunInfo:
@@ -250,11 +227,11 @@ def _run_info(plan: RunPlan, status: Any) -> RunInfo:
 
 
 def _channel_info(attributes: Mapping[str, Any]) -> ChannelInfo:
-    """A row of the channel table from its attributes; a corner of 0 Hz (infinite time constant) means DC response."""
+    """A row of the channel table from its attributes; an infinite time constant means a response down to DC."""
     values: dict[str, Any] = {}
     for field in dataclasses.fields(ChannelInfo):
         value = attributes[field.name]
-        values[field.name] = _string(value) if isinstance(value, str | bytes) else float(value)
+        values[field.name] = value if isinstance(value, str) else float(value)
     if not np.isfinite(values["time_constant"]):
         values["time_constant"] = None
     return ChannelInfo(**values)

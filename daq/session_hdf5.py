@@ -1,0 +1,138 @@
+"""The few HDF5 operations that a session needs, on h5py's low-level calls.
+
+A session has thousands of small objects, and the high-level calls take some five times longer. All space is
+allocated when a dataset is created, so that no metadata change while samples arrive: a killed writer can only leave
+unwritten samples, which the status table does not count.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py  # type: ignore[import-untyped, unused-ignore]
+import numpy as np
+import numpy.typing as npt
+from h5py import h5a, h5d, h5g, h5l, h5p, h5s, h5t  # type: ignore[attr-defined, unused-ignore]
+
+__all__ = ["array", "attributes", "dataset", "group", "has", "open_file", "read_attributes", "read_rows", "read_text",
+           "text", "write_rows"]  # fmt: skip
+
+AttributeValue = str | int | float | Sequence[str]
+SCALAR = h5s.create(h5s.SCALAR)
+
+
+def open_file(path: Path, mode: str, swmr: bool = False) -> Any:
+    """Open an HDF5 file (h5py.File) in the newest format, which the single-writer mode needs."""
+    return h5py.File(path, mode, libver="latest", swmr=swmr)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+
+
+def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
+    """Create a group (low-level id) with attributes below a file or group id."""
+    created = h5g.create(owner, name.encode())
+    attributes(created, values)
+    return created
+
+
+def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
+    """Create attributes: text as fixed-length UTF-8, lists of text as arrays of it, int64, float64."""
+    for name, value in values.items():
+        if isinstance(value, int):
+            h5a.create(owner, name.encode(), h5t.STD_I64LE, SCALAR).write(np.array(value, "<i8"))
+        elif isinstance(value, float):
+            h5a.create(owner, name.encode(), h5t.IEEE_F64LE, SCALAR).write(np.array(value, "<f8"))
+        else:
+            texts = np.array(value.encode() if isinstance(value, str) else [entry.encode() for entry in value])
+            space = h5s.create_simple(texts.shape) if texts.shape else SCALAR
+            kind = _text_type(texts)
+            h5a.create(owner, name.encode(), kind, space).write(texts, mtype=kind)
+
+
+def text(owner: Any, name: str, value: str) -> None:
+    """Create a scalar UTF-8 dataset of fixed length (attributes end at 64 kB; variable lengths do not suit SWMR)."""
+    encoded = np.array(value.encode())
+    kind = _text_type(encoded)
+    h5d.create(owner, name.encode(), kind, SCALAR).write(h5s.ALL, h5s.ALL, encoded, mtype=kind)
+
+
+def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
+    """Create a fixed-size dataset with its space allocated now. Tables (chunk = 0) are filled with zeros now."""
+    layout = h5p.create(h5p.DATASET_CREATE)
+    layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
+    layout.set_fill_time(h5d.FILL_TIME_NEVER if chunk else h5d.FILL_TIME_ALLOC)
+    if chunk:
+        layout.set_chunk((chunk,))
+    kind = h5t.py_create(np.dtype(dtype))
+    return h5d.create(owner, name.encode(), kind, h5s.create_simple(shape), layout)
+
+
+def has(file: Any, path: str) -> bool:
+    """Whether hard links lead to `path`. Soft and external links are not followed: they may point at other files."""
+    place, links = "", file.id.links
+    for name in path.split("/"):
+        place += "/" + name
+        if not links.exists(place.encode()) or links.get_info(place.encode()).type != h5l.TYPE_HARD:
+            return False
+    return True
+
+
+def dataset(file: Any, path: str) -> Any:
+    """Open a dataset (low-level id) whose bytes are in this file; KeyError where there is none."""
+    if not has(file, path):
+        raise KeyError(f"{path} is missing")
+    found = h5d.open(file.id, path.encode())
+    layout = found.get_create_plist()
+    if layout.get_layout() == h5d.VIRTUAL or layout.get_external_count():
+        raise KeyError(f"{path} keeps its data in another file")
+    return found
+
+
+def read_rows(source: Any, dtype: npt.DTypeLike, start: int, stop: int) -> npt.NDArray[Any]:
+    """Rows start..stop of a dataset as `dtype`; ValueError where it has fewer."""
+    if not 0 <= start <= stop <= source.shape[0]:
+        raise ValueError(f"rows {start} to {stop} of a table of {source.shape[0]}")
+    rows = np.zeros((stop - start, *source.shape[1:]), dtype=dtype)
+    if rows.size:
+        space = source.get_space()
+        space.select_hyperslab((start, *(0 for _ in source.shape[1:])), rows.shape[: source.rank])
+        source.read(h5s.create_simple(rows.shape[: source.rank]), space, rows, h5t.py_create(rows.dtype))
+    return rows
+
+
+def write_rows(target: Any, start: int, rows: npt.NDArray[Any]) -> None:
+    """Write rows from `start` on and hand them to the operating system, so that they outlive this process."""
+    space = target.get_space()
+    space.select_hyperslab((start, *(0 for _ in rows.shape[1:])), rows.shape)
+    target.write(h5s.create_simple(rows.shape), space, rows)
+    target.flush()
+
+
+def read_text(source: Any) -> str:
+    """The value of a scalar text dataset."""
+    kind = source.get_type()
+    value = np.zeros((), dtype=f"S{kind.get_size()}")
+    source.read(h5s.ALL, h5s.ALL, value, kind)
+    return bytes(value[()]).decode()
+
+
+def read_attributes(file: Any, path: str) -> dict[str, Any]:
+    """Attributes of the object at `path` ("" for the root), text decoded; KeyError where there is none."""
+    if path and not has(file, path):
+        raise KeyError(f"{path} is missing")
+    attributes = file[path or "/"].attrs
+    return {name: _decoded(value) for name, value in attributes.items()}
+
+
+def _decoded(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, np.ndarray) and value.dtype.kind in "SO":
+        return tuple(_decoded(entry) for entry in value.tolist())
+    return value
+
+
+def _text_type(texts: npt.NDArray[np.bytes_]) -> Any:
+    kind = h5t.C_S1.copy()
+    kind.set_size(max(1, texts.dtype.itemsize))
+    kind.set_cset(h5t.CSET_UTF8)
+    kind.set_strpad(h5t.STR_NULLPAD)
+    return kind
