@@ -1,0 +1,1 @@
+"""What the grains do to the box: one small module a bed, one registry."""

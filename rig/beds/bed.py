@@ -1,0 +1,44 @@
+"""What a bed answers: the momentum that it takes from the box in programmed motion, and its energy account."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """The bed over some whole cycles of the drive.
+
+    momentum : what the box has given the bed up to each sampling edge, N s, shape (edges,). The force on the box,
+        averaged over an interval between edges, is minus its increment over the interval's length: an impact
+        counts whole in the interval in which it falls, and nothing is sampled at points.
+    work : work of the box on the bed in each cycle, J, shape (cycles,), found at the contacts
+    friction, collision, viscous : losses in the bed in each cycle, J, shape (cycles,)
+    kinetic : kinetic energy of the bed at the end of each cycle, J, shape (cycles,)
+    """
+
+    momentum: Array
+    work: Array
+    friction: Array
+    collision: Array
+    viscous: Array
+    kinetic: Array
+
+
+class Bed(Protocol):
+    """A bed in programmed motion, advanced cycle by cycle in constant memory."""
+
+    @property
+    def mass(self) -> float:
+        """Mass of the grains, kg."""
+
+    @property
+    def kinetic_at_start(self) -> float:
+        """Kinetic energy of the bed when the motion starts, J."""
+
+    def advance(self, cycles: int) -> Reaction:
+        """The next whole cycles of the drive."""

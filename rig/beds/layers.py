@@ -1,0 +1,92 @@
+"""Bed `layers` in servo drive: every row exact between events, steady rows replayed from their own period."""
+
+import numpy as np
+
+from rig.beds.bed import Array, Reaction
+from rig.beds.stack import Stack
+from rig.drive.sampling import Sampling
+from rig.errors import InputError, Mistake
+from rig.kernels.rows import STORED_CYCLES, STORED_EVENTS, follow
+from rig.kernels.waveform import crossings, extrema
+
+
+class Layers:
+    """The rows of a stack in a box that follows a waveform; rows start at rest at the end wall x = 0.
+
+    Layers whose threshold the waveform never reaches ride as mass and are not simulated.
+    """
+
+    def __init__(self, stack: Stack, sampling: Sampling) -> None:
+        motion = sampling.motion
+        self._sampling = sampling
+        self._cycles = 0
+        self._stack = stack
+        self._coefficients = motion.coefficients
+        turning = extrema(*self._coefficients)
+        band = stack.threshold / motion.acceleration
+        counts, phases, regions, first = crossings(band, *self._coefficients, turning)
+        flowing = counts > 0
+        self._tables = (band[flowing], counts[flowing], phases[flowing], regions[flowing], first[flowing])
+        play = stack.play[flowing] / motion.length_unit
+        self._layer = np.repeat(np.arange(play.shape[0]), stack.play.shape[1])
+        self._play = np.ascontiguousarray(play).ravel()
+        rows = self._play.size
+        self._riding_mass = stack.mass - stack.row_mass * rows
+        self._state = np.zeros((rows, 3))
+        self._memory = (
+            np.zeros(rows, np.int64),
+            np.zeros(rows, np.int64),
+            np.zeros((rows, STORED_CYCLES, 3)),
+            np.zeros((rows, STORED_EVENTS)),
+            np.zeros((rows, STORED_EVENTS), np.int64),
+            np.zeros((rows, STORED_EVENTS)),
+            np.zeros((rows, STORED_CYCLES + 1), np.int64),
+            np.zeros((rows, STORED_CYCLES, 3)),
+            np.zeros((rows, STORED_CYCLES, 3)),
+        )
+
+    @property
+    def mass(self) -> float:
+        """Mass of the grains, kg."""
+        return self._stack.mass
+
+    @property
+    def kinetic_at_start(self) -> float:
+        """Kinetic energy of the bed when the motion starts, J: all of it rides."""
+        return 0.5 * self.mass * self._sampling.motion.start_velocity**2
+
+    def advance(self, cycles: int) -> Reaction:
+        """The next whole cycles of the drive. Raises InputError where a row has more events than can be followed."""
+        motion = self._sampling.motion
+        velocity = self._sampling.edges(self._cycles, cycles).velocity[1:]
+        band, *tables = self._tables
+        momentum, ledger, complete = follow(
+            self._cycles, cycles, float(self._sampling.edges_per_cycle), velocity / motion.velocity_unit, self._layer,
+            self._play, self._stack.restitution, band, *tables, *self._coefficients, self._state, *self._memory,
+        )  # fmt: skip
+        if not complete:
+            raise too_many_events(self._stack)
+        self._cycles += cycles
+        mass, unit = self._stack.row_mass, motion.velocity_unit
+        energy: Array = mass * unit**2 * ledger
+        return Reaction(
+            momentum=mass * unit * momentum + self._riding_mass * velocity,
+            work=energy[:, 0],
+            friction=energy[:, 1],
+            collision=energy[:, 2],
+            viscous=np.zeros(cycles),
+            kinetic=energy[:, 3] + 0.5 * self._riding_mass * motion.start_velocity**2,
+        )
+
+
+def too_many_events(stack: Stack) -> InputError:
+    """The error for rows that bounce more often in a cycle than can be followed."""
+    return InputError(
+        Mistake(
+            where="scene",
+            field="scene.layers.play",
+            found=f"a row with {stack.play.min():.3g} m of play and restitution {stack.restitution:.3g} "
+            "meets more than 512 events in one cycle",
+            allowed="a larger play, friction, or a row that rebounds less",
+        )
+    )

@@ -1,0 +1,19 @@
+"""The beds by the names of the protocol."""
+
+from collections.abc import Callable
+
+from rig.beds.bed import Bed
+from rig.beds.layers import Layers
+from rig.beds.rigid import Dashpot, Locked
+from rig.beds.stack import Filling, bed_mass, stack
+from rig.catalog.entries import Rig
+from rig.drive.sampling import Sampling
+from rig.scene import Scene
+
+BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
+    "empty": lambda scene, rig, filling, sampling: Locked(0.0, sampling),
+    "locked": lambda scene, rig, filling, sampling: Locked(bed_mass(scene, filling.packing), sampling),
+    "dashpot": lambda scene, rig, filling, sampling: Dashpot(scene.dashpot.c, sampling),
+    "layers": lambda scene, rig, filling, sampling: Layers(stack(scene, rig, filling), sampling),
+}
+"""Bed by name: (scene, rig, filling, sampling) -> a bed at rest in the box at the start of the motion."""

@@ -1,0 +1,1 @@
+"""The programmed motion, and the exciter that has to produce it."""

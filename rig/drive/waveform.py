@@ -1,0 +1,80 @@
+"""The programmed motion of the box: harmonics of one fundamental, in closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rig.scene import Drive
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """A periodic motion: x = X sum_h (sine_h sin h wt + cosine_h cos h wt)/h^2, X = A/w^2, v = x', a = v'.
+
+    `acceleration` (m/s^2) is the unit A of the harmonic coefficients `sine` and `cosine`, harmonics 1..H;
+    a pure sine of amplitude A is sine = (1,), cosine = (0,): a = -A sin wt, v = (A/w) cos wt.
+    """
+
+    frequency: float
+    acceleration: float
+    sine: tuple[float, ...] = (1.0,)
+    cosine: tuple[float, ...] = (0.0,)
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency of the fundamental, rad/s."""
+        return 2.0 * np.pi * self.frequency
+
+    @property
+    def velocity_unit(self) -> float:
+        """A/w, m/s: the velocity amplitude of a pure sine."""
+        return self.acceleration / self.omega
+
+    @property
+    def length_unit(self) -> float:
+        """A/w^2, m: the amplitude of a pure sine."""
+        return self.acceleration / self.omega**2
+
+    @property
+    def coefficients(self) -> tuple[Array, Array]:
+        """Harmonic coefficients as the kernels take them."""
+        return np.array(self.sine, dtype=np.float64), np.array(self.cosine, dtype=np.float64)
+
+    @property
+    def start_velocity(self) -> float:
+        """Box velocity at the start of every cycle, m/s."""
+        return float(self.at(np.zeros(1))[1][0])
+
+    def at(self, phase: Array) -> tuple[Array, Array]:
+        """Box position (m) and velocity (m/s) at phases of the fundamental (rad)."""
+        position, velocity = np.zeros_like(phase), np.zeros_like(phase)
+        for h, (p, q) in enumerate(zip(self.sine, self.cosine, strict=True), start=1):
+            if p == 0.0 and q == 0.0:
+                continue
+            s, c = np.sin(h * phase), np.cos(h * phase)
+            position += (p / h**2) * s + (q / h**2) * c
+            velocity += (p / h) * c - (q / h) * s
+        return self.length_unit * position, self.velocity_unit * velocity
+
+
+def waveform(drive: Drive, level_error: float, third_harmonic: float, rng: np.random.Generator | None) -> Waveform:
+    """The motion that a servo reaches for a drive setting.
+
+    With a generator the level is off by a normal error of relative standard deviation `level_error` and carries
+    a third harmonic of relative amplitude `third_harmonic` at a random phase (both assumed, rig file); without
+    one the waveform is exact.
+    """
+    if rng is None:
+        return Waveform(drive.frequency, drive.acceleration)
+    level = 1.0 + level_error * rng.standard_normal()
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    third = third_harmonic * level
+    return Waveform(
+        drive.frequency,
+        drive.acceleration,
+        (level, 0.0, third * float(np.cos(angle))),
+        (0.0, 0.0, third * float(np.sin(angle))),
+    )

@@ -1,0 +1,1 @@
+"""Compiled loops: arithmetic only, no physical decision."""

@@ -1,0 +1,114 @@
+"""The stand: scene, bed, drive and losses become force and acceleration at the transducers, chunk by chunk."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rig.beds.bed import Bed
+from rig.beds.registry import BEDS
+from rig.beds.stack import Filling
+from rig.catalog.entries import Rig
+from rig.drive.sampling import Edges, Sampling
+from rig.drive.waveform import Waveform
+from rig.ledger import COLUMNS, account
+from rig.losses import Losses, mean_force, quadratic_energy, viscous_energy
+from rig.scene import Cavity, Scene
+
+Array = NDArray[np.float64]
+
+CHUNK_CYCLES = 5
+
+
+def box_mass(cavity: Cavity, wall_density: float) -> float:
+    """Mass of the closed box, kg: the wall lies outside the cavity on all six sides (rigid)."""
+    inner = cavity.length * cavity.width * cavity.height
+    thick = 2.0 * cavity.wall
+    outer = (cavity.length + thick) * (cavity.width + thick) * (cavity.height + thick)
+    return wall_density * (outer - inner)
+
+
+def losses_of(scene: Scene, rig: Rig) -> Losses:
+    """The loss channels that the scene switches on, with the rig's coefficients."""
+    return Losses(
+        noise=rig.loss_noise if "noise" in scene.losses else 0.0,
+        air=rig.loss_air if "air" in scene.losses else 0.0,
+    )
+
+
+@dataclass(frozen=True)
+class BoxMeans:
+    """The box alone over the intervals that end at some edges: mean acceleration, and mean force without the bed."""
+
+    edges: Edges
+    acceleration: Array
+    force: Array
+
+
+class Stand:
+    """A `PhysicalSource`: force at the gauge (N) and acceleration of the box (m/s^2), means over the same intervals.
+
+    F_gauge = (M_box + m_gauge) a - F_bed - F_losses, forces on the box positive along the drive axis. The stream
+    starts with the motion and is endless; memory does not grow with it.
+    """
+
+    names = ("force", "acceleration")
+
+    def __init__(self, scene: Scene, rig: Rig, motion: Waveform, filling: Filling, rate: float) -> None:
+        self.rate = rate
+        self.motion = motion
+        self._sampling = Sampling(motion, rate / motion.frequency)
+        self._bed: Bed = BEDS[scene.bed](scene, rig, filling, self._sampling)
+        self._losses = losses_of(scene, rig)
+        self._rigid = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass
+        self._lost = (viscous_energy(self._losses.noise, motion), quadratic_energy(self._losses.air, motion))
+        self._kinetic = self._bed.kinetic_at_start
+        self._inertial = np.pi * (self._rigid + self._bed.mass) * motion.velocity_unit**2
+        self._cycles = 0
+        self._last_momentum = 0.0
+        self._box: BoxMeans | None = None
+        self._waiting = np.zeros((2, 0))
+        self._rows: list[Array] = []
+
+    @property
+    def bed_mass(self) -> float:
+        """Mass of this filling's grains, kg."""
+        return self._bed.mass
+
+    def read(self, n: int) -> Array:
+        """Next n interval means, shape (2, n)."""
+        ready = [self._waiting]
+        size = self._waiting.shape[1]
+        while size < n:
+            ready.append(self._chunk())
+            size += ready[-1].shape[1]
+        joined = np.concatenate(ready, axis=1) if len(ready) > 1 else ready[0]
+        self._waiting = joined[:, n:]
+        return joined[:, :n]
+
+    def drain_ledger(self) -> Array:
+        """Ledger rows of the cycles simulated since the last call, shape (cycles, len(ledger.COLUMNS))."""
+        rows = np.concatenate([np.zeros((0, len(COLUMNS))), *self._rows])
+        self._rows = []
+        return rows
+
+    def _chunk(self) -> Array:
+        box = self._box_means(self._sampling.edges(self._cycles, CHUNK_CYCLES))
+        reaction = self._bed.advance(CHUNK_CYCLES)
+        self._rows.append(account(reaction, self._kinetic, *self._lost, self._inertial))
+        self._kinetic = float(reaction.kinetic[-1])
+        out = np.empty((2, reaction.momentum.size))
+        np.multiply(np.diff(reaction.momentum, prepend=self._last_momentum), self.rate, out=out[0])
+        out[0] += box.force
+        out[1] = box.acceleration
+        self._last_momentum = float(reaction.momentum[-1])
+        at_start = self._cycles == 0
+        self._cycles += CHUNK_CYCLES
+        return out[:, 1:] if at_start else out
+
+    def _box_means(self, edges: Edges) -> BoxMeans:
+        if self._box is None or self._box.edges is not edges:
+            acceleration = np.diff(edges.velocity) * self.rate
+            lost = mean_force(self._losses, edges.position, edges.velocity, 1.0 / self.rate)
+            self._box = BoxMeans(edges, acceleration, self._rigid * acceleration - lost)
+        return self._box
