@@ -1,0 +1,39 @@
+"""The reading of records: dissipated energy from force and acceleration, its uncertainty, its agreement with a model.
+
+Works on any session record, simulated or imported, and imports no simulator. Names load their module on first use.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from analysis.agreement import agreement
+    from analysis.energy import Energy, dissipated_energy
+    from analysis.estimate import Estimate
+    from analysis.reading import read_session, run_energy
+    from analysis.report import write_report
+    from analysis.runs import AnalysisError, RunEnergy
+
+__all__ = [
+    "AnalysisError", "Energy", "Estimate", "RunEnergy", "agreement", "dissipated_energy", "read_session", "run_energy",
+    "write_report",
+]  # fmt: skip
+
+_HOME = {
+    "AnalysisError": "analysis.runs",
+    "Energy": "analysis.energy",
+    "Estimate": "analysis.estimate",
+    "RunEnergy": "analysis.runs",
+    "agreement": "analysis.agreement",
+    "dissipated_energy": "analysis.energy",
+    "read_session": "analysis.reading",
+    "run_energy": "analysis.reading",
+    "write_report": "analysis.report",
+}
+
+
+def __getattr__(name: str) -> object:
+    home = _HOME.get(name)
+    if home is None:
+        raise AttributeError(f"module 'analysis' has no attribute {name!r}")
+    return getattr(importlib.import_module(home), name)

@@ -1,0 +1,200 @@
+"""Agreement between measured and predicted dissipation: the report as a plain dict (interfaces.md, report.json)."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from analysis.conditions import Result, box_distortion, evaluate
+from analysis.estimate import Estimate
+from analysis.nulls import null_tests
+from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.uncertainty import combine
+from analysis.verdict import CHAIN_SHARE, verdict
+
+__all__ = ["agreement"]
+
+SCHEMA = "rig/agreement/1"
+NAMED = ("id", "material", "density", "diameter", "fill", "bed", "drive", "bed_mass")
+OWN_MECHANISM = {"grains"}  # beds that do not share the mechanism behind W_T
+
+
+def agreement(
+    runs: Iterable[RunEnergy],
+    conditions: Mapping[str, Mapping[str, Any]],
+    prediction: Mapping[str, Any] | None,
+    channels: Mapping[str, ChannelFacts],
+    *,
+    protocol: str = "",
+    question: str = "",
+    synthetic: bool = False,
+    assumed: Iterable[Mapping[str, Any]] = (),
+    left_out: Sequence[Mapping[str, str]] = (),
+) -> dict[str, Any]:
+    """The report of a session.
+
+    runs: energies of its runs. conditions: by id, in the order to report. prediction: {"conditions": {id:
+    {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel": relative standard uncertainty, "W_T_paper",
+    "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
+    channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
+    source). left_out: runs that could not be used, with the reason.
+
+    Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
+    """
+    settings = {name: Setting.of(condition) for name, condition in conditions.items()}
+    grouped: dict[str, list[RunEnergy]] = defaultdict(list)
+    for run in runs:
+        grouped[run.condition].append(run)
+    entries = (prediction or {}).get("conditions", {})
+    results = [
+        evaluate(setting, grouped[name], entries.get(name), channels)
+        for name, setting in settings.items()
+        if grouped[name]
+    ]
+    empties = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
+    nulls = null_tests(settings, grouped, channels)
+    ledger = {"closure_max": _closure(results)}
+    judged = verdict(results, nulls, ledger["closure_max"], left_out)
+    ideal = synthetic and all(result.setting.drive == "servo" for result in results)
+    report = {
+        "schema": SCHEMA,
+        "protocol": protocol,
+        "question": question,
+        "synthetic": synthetic,
+        "tests": "chain" if synthetic and not OWN_MECHANISM & {r.setting.bed for r in results} else "model",
+        "waveform": "ideal" if ideal else "measured",
+        "conditions": [_row(result, empties) for result in results],
+        "agreement": _agreement(results),
+        "claims": [],
+        "nulls": [null.row() for null in nulls],
+        "ledger": ledger,
+        "chain": {"share": judged.chain_share, "needed": CHAIN_SHARE},
+        "verdict": judged.verdict,
+        "reasons": list(judged.reasons),
+        "flags": _flags(results),
+        "left_out": [dict(entry) for entry in left_out],
+        "instruments": [_instrument(channels[name]) for name in ("force", "acceleration")],
+        "assumed": [dict(value) for value in assumed],
+    }
+    return {key: _jsonable(value) for key, value in report.items()}
+
+
+def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[str, Any]:
+    setting, exp, got = result.setting, result.W_exp, result.predicted
+    empty = empties.get((setting.frequency, setting.acceleration_set))
+    W = [run.energy.W for run in result.runs]
+    n = len(W)
+    distortions = [d for d in (box_distortion(run, setting) for run in result.runs) if d is not None]
+    scale = result.W_T.value if result.W_T and result.comparable else None
+    difference = result.difference if scale else None
+    return {
+        **{name: getattr(setting, name) for name in NAMED},
+        "frequency": setting.frequency, "acceleration_set": setting.acceleration_set,
+        "acceleration": result.mean("level"), "period": got.get("period"), "periodic_share": got.get("periodic_share"),
+        "dKE_bed": _ledger_mean(result, "dKE_bed"),
+        "runs": [_run_row(run) for run in result.runs],
+        "W_exp": exp.value,
+        "s_W_exp": math.sqrt(math.fsum((w - exp.value) ** 2 for w in W) / (n - 1)) if n > 1 else None,
+        "U_W_exp": exp.U, "k": exp.k, "nu": exp.nu,
+        "W_net": None if empty is None else exp.value - empty.W_exp.value,
+        "W_detect": result.detect, "eta": result.mean("eta"), "M_eff": result.mean("M_eff"),
+        "thd_force": result.mean("thd_force"), "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
+        "W_T": got.get("W_T"), "U_W_T": result.W_T.U if result.W_T else None,
+        **{name: got.get(name) for name in ("W_f", "W_c", "W_T_paper", "bound", "exponent")},
+        "offset": difference.value / scale if difference and scale else None,
+        "U_offset": difference.U / scale if difference and scale else None,
+        "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
+        "offset_terms": None,
+        "uncertainty": [
+            {"source": line.source, "unit": line.unit, "u": line.u, "c": line.c, "nu": line.nu,
+             "share": (line.part / exp.u) ** 2 if exp.u else 0.0}
+            for line in result.lines if line.c
+        ],
+    }  # fmt: skip
+
+
+def _run_row(run: RunEnergy) -> dict[str, Any]:
+    energy = run.energy
+    return {
+        "run": run.run, "order": run.order, "repeat": run.repeat, "acceleration": energy.level,
+        "W_exp": energy.W, "W_exc": energy.W_exc, "W_kin": energy.W_kin, "W_phasor": energy.W_phasor,
+        "W_eq25": energy.W_eq25, "W_coil": None, "cycles": energy.cycles, "flags": list(run.flags),
+    }  # fmt: skip
+
+
+def _agreement(results: Sequence[Result]) -> dict[str, Any]:
+    """Energy-weighted ratio, slope through the origin, mean offset; errors common to all conditions stay common."""
+    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
+    if not told:
+        return dict.fromkeys(("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset"), None) | {"n": 0}
+    total, square = math.fsum(w for _, w in told), math.fsum(w * w for _, w in told)
+    ratio = math.fsum(r.W_exp.value for r, _ in told) / total
+    slope = math.fsum(r.W_exp.value * w for r, w in told) / square
+    ratio_e = _propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in told])
+    slope_e = _propagated(slope, [(r, w / square, (r.W_exp.value - 2 * slope * w) / square) for r, w in told])
+    offsets = [r.W_exp.value / w - 1 for r, w in told if r.comparable]
+    return {
+        "ratio": ratio, "U_ratio": ratio_e.U, "k": ratio_e.k, "nu": ratio_e.nu, "slope": slope, "U_slope": slope_e.U,
+        "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
+    }  # fmt: skip
+
+
+def _propagated(value: float, weights: Sequence[tuple[Result, float, float]]) -> Estimate:
+    """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
+
+    Lines of a source that is shared between conditions add with their signs; the others add in quadrature.
+    """
+    shared: dict[str, float] = defaultdict(float)
+    nu: dict[str, float] = {}
+    parts: list[tuple[float, float]] = []
+    for result, d_exp, d_T in weights:
+        for line in result.lines:
+            part = d_exp * line.part + d_T * line.part_T
+            if line.shared:
+                shared[line.source] += part
+                nu[line.source] = line.nu
+            else:
+                parts.append((part, line.nu))
+    return combine(value, [*parts, *((part, nu[source]) for source, part in shared.items())])
+
+
+def _E_n(difference: Estimate | None) -> float | None:
+    """E_n score: the difference over its expanded uncertainty."""
+    return None if difference is None or not difference.U else difference.value / difference.U
+
+
+def _ledger_mean(result: Result, column: str) -> float | None:
+    values = [run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger]
+    return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
+
+
+def _closure(results: Sequence[Result]) -> float | None:
+    ledgers = [run.ledger for result in results for run in result.runs if run.ledger is not None]
+    return max((ledger["closure"] for ledger in ledgers if "closure" in ledger), default=None)
+
+
+def _flags(results: Sequence[Result]) -> list[dict[str, Any]]:
+    """Every flag with the runs that carry it, in the order of first appearance."""
+    runs: dict[str, list[str]] = defaultdict(list)
+    for result in results:
+        for run in result.runs:
+            for flag in run.flags:
+                runs[flag].append(run.run)
+    return [{"flag": flag, "runs": names} for flag, names in runs.items()]
+
+
+def _instrument(channel: ChannelFacts) -> dict[str, Any]:
+    return {
+        "channel": channel.name, "model": channel.model, "unit": channel.unit, "sensitivity": channel.sensitivity,
+        "time_constant": channel.time_constant, "calibration_U": channel.calibration_U,
+        "gain_tolerance": channel.gain_tolerance, "noise_rms": channel.noise_rms,
+    }  # fmt: skip
+
+
+def _jsonable(value: Any) -> Any:
+    """The same with null for every number that is not finite (JSON has none)."""
+    if isinstance(value, dict):
+        return {key: _jsonable(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_jsonable(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,124 @@
+"""One condition's line of the report: mean over its runs, uncertainty, and what the prediction says at its level."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.correction import net_of_mass
+from analysis.estimate import Estimate
+from analysis.prediction import Prediction
+from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.uncertainty import (
+    Line,
+    angle_uncertainty,
+    certificate_lines,
+    combine,
+    numerics_line,
+    resolution_lines,
+    scatter_line,
+)
+
+__all__ = ["DISSIPATED", "Result", "evaluate"]
+
+DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed")
+"""Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A condition evaluated.
+
+    W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
+    detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
+    the runs, each at its measured acceleration (empty without a prediction).
+    """
+
+    setting: Setting
+    runs: tuple[RunEnergy, ...]
+    lines: tuple[Line, ...]
+    W_exp: Estimate
+    W_T: Estimate | None
+    difference: Estimate | None
+    chain: Estimate | None
+    detect: float
+    predicted: Mapping[str, float | None]
+
+    @property
+    def comparable(self) -> bool:
+        """W_exp and W_T both stand out of the detection limit and of W_exp's uncertainty."""
+        floor = max(self.detect, self.W_exp.U)
+        return self.W_T is not None and self.W_T.value > 0 and min(self.W_T.value, self.W_exp.value) >= floor
+
+    def mean(self, name: str) -> float:
+        """Mean over the runs of a number of their Energy."""
+        return math.fsum(getattr(run.energy, name) for run in self.runs) / len(self.runs)
+
+
+def evaluate(
+    setting: Setting, runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None, channels: Mapping[str, ChannelFacts]
+) -> Result:
+    """Evaluate a condition from its runs (one at least) and its entry of the prediction document (None for none)."""
+    force, acceleration = channels["force"], channels["acceleration"]
+    n = len(runs)
+    W = math.fsum(run.energy.W for run in runs) / n
+    reactive = math.fsum(run.energy.reactive for run in runs) / n
+    predicted, u_rel = _predicted(runs, entry)
+    W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
+    # A condition measured once has no scatter: the instruments' noise stands in for it.
+    noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
+    noise_line = (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
+    certified = (
+        *certificate_lines(force, acceleration, setting.frequency, W, reactive, W_T or 0.0, exponent or 0.0),
+        *resolution_lines(W, reactive),
+    )
+    scatter = scatter_line([run.energy.W for run in runs]) or noise_line
+    lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
+    angle = angle_uncertainty(force, acceleration, setting.frequency)
+    return Result(
+        setting=setting,
+        runs=tuple(runs),
+        lines=lines,
+        W_exp=combine(W, [(line.part, line.nu) for line in lines]),
+        W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
+        difference=None if W_T is None else combine(W - W_T, [(line.part - line.part_T, line.nu) for line in lines]),
+        chain=_chain(W, runs, (*noise_line, *certified)),
+        detect=abs(reactive) * angle.U,
+        predicted=predicted,
+    )
+
+
+def _predicted(runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None) -> tuple[dict[str, float | None], float]:
+    """Means over the runs of what is predicted at each run's measured acceleration, and its relative numerics u."""
+    if entry is None:
+        return {}, 0.0
+    prediction = Prediction.of(entry)
+    levels = [run.energy.level for run in runs]
+    curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
+    values: dict[str, float | None] = {
+        name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
+    }
+    values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
+    return {**values, **prediction.extra}, prediction.u_rel
+
+
+def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
+    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone."""
+    ledgers = [run.ledger for run in runs if run.ledger is not None]
+    if len(ledgers) < len(runs):
+        return None
+    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in DISSIPATED) / len(runs)
+    return combine(W - true, [(line.part, line.nu) for line in lines])
+
+
+def box_distortion(run: RunEnergy, setting: Setting) -> float | None:
+    """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's force over the mass that
+    they would shake, relative to the fundamental. None without motion."""
+    energy = run.energy
+    if not energy.level:
+        return None
+    on_box = net_of_mass(energy.force[1:], energy.acceleration[1:], setting.box_mass + setting.gauge_mass)
+    moved = setting.box_mass + setting.gauge_mass + setting.moving_mass
+    return float(np.linalg.norm(on_box)) / moved / energy.level if moved else None

@@ -1,0 +1,208 @@
+"""Energy dissipated per cycle from a force and an acceleration, three ways.
+
+Signs: force acts on the box, positive along the drive axis; e^(+jwt); W > 0 for a dashpot.
+`loop`: closed integral of F v dt over each cycle. `phasor`: -pi / (w h w) Im(F_h A_h*) summed over the harmonics h of
+the whole window. `eq25`: W_exc - W_kin of the paper's eq. 25. On whole cycles they agree by Parseval's theorem, which
+is a check of the arithmetic and no independent evidence.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.correction import channel_correction
+from analysis.cycles import on_grid, whole_cycles
+
+__all__ = ["Energy", "combined", "dissipated_energy", "window_energy"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+PASS_BAND = 0.45  # of the sampling rate: harmonics above it are not counted (the anti-alias filter falls off there)
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energies of a window in J per cycle, and the phasors (peak values, t = 0 at the window's start) behind them.
+
+    W: loop estimator, mean over cycles; W_cycles: (cycles,) each one; W_exc: whole-window integral of F v dt;
+    W_kin: change of the box's kinetic energy per cycle from the first to the last cycle start (0 without a box mass);
+    W_eq25 = W_exc - W_kin; W_phasor. force (N), acceleration (m/s^2): phasors of harmonics 1, 2, ...; frequency: Hz.
+    """
+
+    frequency: float
+    cycles: int
+    W: float
+    W_cycles: Array
+    W_exc: float
+    W_kin: float
+    W_phasor: float
+    force: Complex
+    acceleration: Complex
+
+    @property
+    def W_eq25(self) -> float:
+        """Eq. 25: excitation energy less the change of the box's kinetic energy, J per cycle."""
+        return self.W_exc - self.W_kin
+
+    @property
+    def level(self) -> float:
+        """Amplitude of the fundamental acceleration, m/s^2."""
+        return abs(complex(self.acceleration[0]))
+
+    @property
+    def M_eff(self) -> float:
+        """Apparent mass Re(F A*) / |A|^2 at the fundamental, kg; everything beyond the gauge plane."""
+        force, acceleration = complex(self.force[0]), complex(self.acceleration[0])
+        return (force * acceleration.conjugate()).real / abs(acceleration) ** 2 if acceleration else math.nan
+
+    @property
+    def reactive(self) -> float:
+        """(pi / w^2) M_eff a^2 in J: what a phase error of 1 rad would add to W."""
+        return math.pi * self.M_eff * (self.level / (2 * math.pi * self.frequency)) ** 2
+
+    @property
+    def eta(self) -> float:
+        """Loss factor W w^2 / (pi M_eff a^2); nan without motion or apparent mass."""
+        return self.W / self.reactive if self.reactive else math.nan
+
+    @property
+    def thd_force(self) -> float:
+        """Harmonic distortion of the force: rms of harmonics 2 and up over the fundamental's."""
+        first = abs(complex(self.force[0]))
+        return float(np.linalg.norm(self.force[1:])) / first if first else math.nan
+
+
+def dissipated_energy(
+    force: Array,
+    acceleration: Array,
+    rate: float,
+    frequency: float,
+    *,
+    cycles: int | None = None,
+    settle: float = 0,
+    filter_delay: float = 0.0,
+    time_constants: tuple[float | None, float | None] = (None, None),
+    delay: float = 0.0,
+    box_mass: float = 0.0,
+) -> Energy:
+    """Energy dissipated per cycle by what lies beyond the force gauge.
+
+    force (N) and acceleration (m/s^2): 1-D, equally long, sampled together at `rate` (Hz) and driven at `frequency`
+    (Hz). settle, cycles, filter_delay: see whole_cycles; all whole cycles are used by default. time_constants: s, of
+    the high-pass poles of the two channels, undone harmonic by harmonic. delay: s by which the acceleration channel
+    lags the force channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is not finite or no whole
+    cycle fits.
+    """
+    force, acceleration = np.asarray(force, dtype=float), np.asarray(acceleration, dtype=float)
+    if force.ndim != 1 or force.shape != acceleration.shape:
+        raise ValueError(f"force {force.shape} and acceleration {acceleration.shape} must be 1-D and equally long")
+    if not (np.isfinite(force).all() and np.isfinite(acceleration).all()):
+        raise ValueError("force and acceleration must be finite")
+    window = whole_cycles(force.size, rate, frequency, filter_delay=filter_delay, settle=settle, cycles=cycles)
+    both = np.stack([force, acceleration])
+    parts = []
+    for part in window.segments():
+        f, a = on_grid(both, 0, part)
+        parts.append(window_energy(
+            f, a, part.cycles, frequency, time_constants=time_constants, delay=delay, box_mass=box_mass
+        ))  # fmt: skip
+    return combined(parts)
+
+
+def window_energy(
+    force: Array,
+    acceleration: Array,
+    cycles: int,
+    frequency: float,
+    *,
+    time_constants: tuple[float | None, float | None] = (None, None),
+    delay: float = 0.0,
+    box_mass: float = 0.0,
+) -> Energy:
+    """Energies of a window of `cycles` whole cycles with a whole number of points each; see dissipated_energy."""
+    points = force.size // cycles
+    force, force_h = _corrected(force, cycles, points, frequency, time_constants[0], 0.0)
+    acceleration, acceleration_h = _corrected(acceleration, cycles, points, frequency, time_constants[1], delay)
+    step = 1 / (frequency * points)
+    W_cycles = _loop(force.reshape(cycles, points), acceleration.reshape(cycles, points), step)
+    W_exc, W_kin = _literal(force, acceleration, cycles, points, step, box_mass)
+    omega = 2 * math.pi * frequency * np.arange(1, force_h.size + 1)
+    return Energy(
+        frequency=frequency, cycles=cycles, W=float(W_cycles.mean()), W_cycles=W_cycles, W_exc=W_exc, W_kin=W_kin,
+        W_phasor=-0.5 / frequency * float(((force_h * acceleration_h.conj()).imag / omega).sum()),
+        force=force_h, acceleration=acceleration_h,
+    )  # fmt: skip
+
+
+def combined(parts: Sequence[Energy]) -> Energy:
+    """Energies of consecutive windows as one: means weighted with their cycles (their phasors are coherent)."""
+    if len(parts) == 1:
+        return parts[0]
+    share = np.array([part.cycles for part in parts], dtype=float)
+    share /= share.sum()
+
+    def mean(values: Sequence[float]) -> float:
+        return float(np.dot(share, values))
+
+    return Energy(
+        frequency=parts[0].frequency, cycles=sum(part.cycles for part in parts), W=mean([part.W for part in parts]),
+        W_cycles=np.concatenate([part.W_cycles for part in parts]), W_exc=mean([part.W_exc for part in parts]),
+        W_kin=mean([part.W_kin for part in parts]), W_phasor=mean([part.W_phasor for part in parts]),
+        force=np.tensordot(share, np.array([part.force for part in parts]), 1),
+        acceleration=np.tensordot(share, np.array([part.acceleration for part in parts]), 1),
+    )  # fmt: skip
+
+
+def _corrected(
+    signal: Array, cycles: int, points: int, frequency: float, time_constant: float | None, delay: float
+) -> tuple[Array, Complex]:
+    """A window with its pole and delay undone and its mean dropped, and the peak phasors of its harmonics."""
+    spectrum = np.fft.rfft(signal)
+    omega = 2 * math.pi * frequency / cycles * np.arange(1, spectrum.size)
+    factor = channel_correction(omega, time_constant, delay)
+    if factor is not None:
+        spectrum[0] = 0
+        spectrum[1:] *= factor
+        signal = np.fft.irfft(spectrum, signal.size)
+    count = max(1, int(PASS_BAND * points))
+    return signal, spectrum[cycles : count * cycles + 1 : cycles] * (2 / signal.size)
+
+
+def _loop(force: Array, acceleration: Array, step: float) -> Array:
+    """Closed integral of F v dt of every cycle, (cycles, points) -> (cycles,), means removed cycle by cycle."""
+    velocity = _velocity(acceleration - acceleration.mean(axis=1, keepdims=True), step)
+    force = force - force.mean(axis=1, keepdims=True)
+    return np.asarray(np.einsum("ij,ij->i", force, velocity) * step)
+
+
+def _literal(
+    force: Array, acceleration: Array, cycles: int, points: int, step: float, box_mass: float
+) -> tuple[float, float]:
+    """W_exc and W_kin of eq. 25, J per cycle, means removed from the whole window only."""
+    velocity = _velocity(acceleration - acceleration.mean(), step)
+    velocity -= velocity.mean()
+    W_exc = float(np.dot(force, velocity)) * step / cycles
+    first, last = float(velocity[0]), float(velocity[(cycles - 1) * points])
+    W_kin = 0.5 * box_mass * (last**2 - first**2) / (cycles - 1) if cycles > 1 else 0.0
+    return W_exc, W_kin
+
+
+def _velocity(acceleration: Array, step: float) -> Array:
+    """Velocity (m/s, but for a constant) along the last axis: trapezoid rule with the Euler-Maclaurin end correction.
+
+    Gain error -11/720 (w step)^4 at w and no phase error: 3e-10 for the fundamental at 512 points to a cycle (the plain
+    trapezoid's is 1.3e-5). The slope that the correction needs wraps around at the window's ends.
+    """
+    velocity = np.cumsum(acceleration, axis=-1)
+    velocity -= 0.5 * acceleration
+    flat, slope = acceleration.ravel(), np.empty(acceleration.size)
+    np.subtract(flat[2:], flat[:-2], out=slope[1:-1])
+    slope[0], slope[-1] = flat[1] - flat[-1], flat[0] - flat[-2]
+    slope *= 1 / 24
+    velocity -= slope.reshape(acceleration.shape)
+    velocity *= step
+    return velocity

@@ -1,0 +1,116 @@
+"""Null tests as angles: a bed that cannot slide must look like mass, whatever the box's own losses are.
+
+W_lock - W_empty at equal acceleration holds no loss of the box (it is in both). What is left grows as a^2 where the two
+channels are out of phase by dphi, (pi/w^2) dM a^2 dphi, and as a where something rubs under the bed's weight. So
+W_lock - W_empty = alpha a^2 + beta a is fitted and dphi = w^2 alpha / (pi dM). At least three levels are needed: two
+would be fitted exactly.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.estimate import Estimate
+from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.uncertainty import angle_uncertainty, combine
+
+__all__ = ["Null", "null_tests"]
+
+LEVELS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Null:
+    """A null test: "locked" or "carried" bed; dphi in rad, None without a fit; holds, does not hold or undecided."""
+
+    null: str
+    bed_mass: float
+    frequency: float
+    levels: int
+    dphi: Estimate | None
+    verdict: str
+    why: str
+
+    def row(self) -> dict[str, Any]:
+        """The report's entry."""
+        return {
+            "null": self.null,
+            "bed_mass": self.bed_mass,
+            "frequency": self.frequency,
+            "levels": self.levels,
+            "dphi": self.dphi.value if self.dphi else None,
+            "U_dphi": self.dphi.U if self.dphi else None,
+            "k": self.dphi.k if self.dphi else None,
+            "nu": self.dphi.nu if self.dphi else None,
+            "verdict": self.verdict,
+            "why": self.why,
+        }
+
+
+def null_tests(
+    settings: Mapping[str, Setting], runs: Mapping[str, Sequence[RunEnergy]], channels: Mapping[str, ChannelFacts]
+) -> tuple[Null, ...]:
+    """All null tests that the conditions allow: one per bed that cannot slide, bed mass and frequency.
+
+    settings, runs: by condition. Empty where no condition has a bed that cannot slide.
+    """
+    empty: dict[float, list[RunEnergy]] = defaultdict(list)
+    bonded: dict[tuple[str, float, float], list[str]] = defaultdict(list)
+    for name, setting in settings.items():
+        if setting.is_empty:
+            empty[setting.frequency].extend(runs.get(name, ()))
+        elif setting.is_bonded and runs.get(name):
+            kind = "locked" if setting.bed == "locked" else "carried"
+            bonded[kind, setting.frequency, setting.bed_mass].append(name)
+    return tuple(
+        _test(kind, frequency, mass, [list(runs[name]) for name in names], empty[frequency], channels)
+        for (kind, frequency, mass), names in bonded.items()
+    )
+
+
+def _test(
+    kind: str,
+    frequency: float,
+    mass: float,
+    levels: list[list[RunEnergy]],
+    empty: list[RunEnergy],
+    channels: Mapping[str, ChannelFacts],
+) -> Null:
+    found = min(len(levels), len({run.condition for run in empty}))
+    if found < LEVELS:
+        why = (
+            f"{found} levels are measured both with this bed and with the empty box: "
+            f"at least {LEVELS} are needed to tell an angle from friction"
+        )
+        return Null(kind, mass, frequency, len(levels), None, "undecided", why)
+    alpha = _growth([run for runs in levels for run in runs], empty)
+    scale = (2 * math.pi * frequency) ** 2 / (math.pi * mass)
+    certified = angle_uncertainty(channels["force"], channels["acceleration"], frequency)
+    dphi = combine(alpha.value * scale, [(alpha.u * scale, alpha.nu), (certified.u, certified.nu)])
+    holds = abs(dphi.value) <= dphi.U
+    why = f"|{dphi.value:.2g}| rad is {'within' if holds else 'beyond'} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
+    return Null(kind, mass, frequency, len(levels), dphi, "holds" if holds else "does not hold", why)
+
+
+def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
+    """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
+
+    One least-squares fit to all runs of W / a, whose noise is even (the instruments' noise in W grows as a). The box's
+    own losses, in both, follow r a + p a^2 + q a^3 (rubbing, viscous, quadratic): no two runs need the same level.
+    """
+    runs = [*empty, *bonded]
+    a = np.array([run.energy.level for run in runs])
+    top = float(a.max())
+    x = a / top
+    with_bed = np.array([0.0] * len(empty) + [1.0] * len(bonded))
+    design = np.stack([np.ones_like(x), x, x * x, with_bed, with_bed * x], axis=1)
+    z = np.array([run.energy.W for run in runs]) / a
+    solution = np.linalg.lstsq(design, z, rcond=None)[0]
+    residual = z - design @ solution
+    dof = len(runs) - design.shape[1]
+    variance = float(residual @ residual) / dof * float(np.linalg.pinv(design.T @ design)[4, 4])
+    return Estimate(float(solution[4]) / top, math.sqrt(variance) / top, float(dof))

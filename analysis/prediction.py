@@ -1,0 +1,89 @@
+"""Predicted energies as plain numbers: a power law between tabulated accelerations."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["Curve", "Prediction"]
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """W (J per cycle) tabulated at increasing accelerations (m/s^2); log-log between them and beyond the ends.
+
+    A stretch with a zero at one end is linear instead and zero outside it: a logarithm has no place there.
+    """
+
+    accelerations: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, accelerations: Sequence[float], values: Sequence[float]) -> "Curve":
+        """A curve from a table in any order. ValueError where it is not a table of positive accelerations."""
+        if len(accelerations) != len(values) or not values or min(accelerations) <= 0:
+            raise ValueError("a prediction needs as many values as accelerations, at least one, accelerations positive")
+        pairs = sorted(zip(map(float, accelerations), map(float, values), strict=True))
+        return cls(tuple(a for a, _ in pairs), tuple(w for _, w in pairs))
+
+    def _stretch(self, a: float) -> int:
+        inner = sum(1 for x in self.accelerations[1:-1] if x <= a)
+        return min(inner, len(self.values) - 2)
+
+    def __call__(self, a: float) -> float:
+        """W at acceleration a (m/s^2), J per cycle."""
+        if len(self.values) == 1:
+            return self.values[0]
+        i = self._stretch(a)
+        a0, a1, w0, w1 = *self.accelerations[i : i + 2], *self.values[i : i + 2]
+        if w0 > 0 and w1 > 0:
+            return float(w0 * (a / a0) ** (math.log(w1 / w0) / math.log(a1 / a0)))
+        between = min(max((a - a0) / (a1 - a0), 0.0), 1.0)
+        return w0 + (w1 - w0) * between
+
+    def exponent(self, a: float) -> float | None:
+        """n = dlnW / dlna at a, across the neighbouring points; None where W is zero or a single point is known."""
+        if len(self.values) == 1 or self(a) <= 0:
+            return None
+        i = self._stretch(a)
+        # The central slope where the nearest tabulated point has neighbours on both sides.
+        near = i if abs(self.accelerations[i] - a) < abs(self.accelerations[i + 1] - a) else i + 1
+        low, high = max(near - 1, 0), min(near + 1, len(self.values) - 1)
+        if self.values[low] <= 0 or self.values[high] <= 0:
+            low, high = i, i + 1
+        if self.values[low] <= 0 or self.values[high] <= 0:
+            return None
+        span = math.log(self.accelerations[high] / self.accelerations[low])
+        return math.log(self.values[high] / self.values[low]) / span
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """The prediction for one condition. u_rel: relative standard uncertainty of its numerics; extra: passed on."""
+
+    total: Curve
+    friction: Curve
+    collision: Curve
+    u_rel: float
+    extra: Mapping[str, float | None]
+
+    @classmethod
+    def of(cls, entry: Mapping[str, Any]) -> "Prediction":
+        """A prediction from one entry of the session's `prediction` document (see docs of agreement)."""
+        a = entry["acceleration"]
+        absent = [0.0] * len(a)
+        return cls(
+            total=Curve.of(a, entry["W_T"]),
+            friction=Curve.of(a, entry.get("W_f", absent)),
+            collision=Curve.of(a, entry.get("W_c", absent)),
+            u_rel=float(entry.get("u_rel") or 0.0),
+            extra={name: _middle(entry.get(name), a) for name in ("W_T_paper", "bound", "period", "periodic_share")},
+        )
+
+
+def _middle(value: Any, accelerations: Sequence[float]) -> float | None:
+    """A number given once, or as a list beside the accelerations (then the one at the middle acceleration)."""
+    if isinstance(value, (list, tuple)):
+        order = sorted(range(len(accelerations)), key=accelerations.__getitem__)
+        value = value[order[len(order) // 2]] if value else None
+    return value if value is None else value + 0

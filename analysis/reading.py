@@ -1,0 +1,121 @@
+"""From a record to energies and to the report: one run at a time, in constant memory."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from analysis.agreement import agreement
+from analysis.cycles import Window, on_grid, whole_cycles
+from analysis.energy import combined, window_energy
+from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
+from analysis.uncertainty import noise_of
+from daq.block import Flag, flag_names
+
+__all__ = ["read_session", "run_energy"]
+
+FORCE, ACCELERATION = "force", "acceleration"
+BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN  # samples are missing or mean nothing: no energy can be stated
+LIMITS = "use_"  # scalars of this prefix are shares of a limit
+
+
+def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
+    """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
+
+    run: a run of the record, or its name. May be called from any thread, as soon as the run is complete, while others
+    are still written. AnalysisError where the run is incomplete, has missing samples in the window or no whole cycle.
+    """
+    if isinstance(run, str):
+        run = next(known for known in record.runs if known.name == run)
+    if not run.complete:
+        raise AnalysisError(f"{run.name} is not complete")
+    setting = Setting.of(record.conditions[run.condition])
+    force, acceleration = _channel(record, FORCE), _channel(record, ACCELERATION)
+    try:
+        window = whole_cycles(
+            run.samples, run.rate, setting.frequency,
+            filter_delay=force.filter_delay, settle=setting.settle_cycles, cycles=setting.record_cycles,
+        )  # fmt: skip
+    except ValueError as error:
+        raise AnalysisError(f"{run.name}: {error}") from error
+    delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
+    parts, bits = [], run.flags & ~Flag.NOT_SETTLED
+    for part in window.segments():
+        first, last = part.sample_range()
+        signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
+        found = signals[0].flags | signals[1].flags
+        if found & BROKEN:
+            raise AnalysisError(f"{run.name} has {', '.join(flag_names(found & BROKEN))} in samples {first} to {last}")
+        bits |= found & ~Flag.NOT_SETTLED
+        parts.append(window_energy(
+            on_grid(signals[0].samples, first, part), on_grid(signals[1].samples, first, part),
+            part.cycles, setting.frequency,
+            time_constants=(force.time_constant, acceleration.time_constant), delay=delay, box_mass=setting.box_mass,
+        ))  # fmt: skip
+    energy = combined(parts)
+    short = (f"{window.cycles}_of_{setting.record_cycles}_cycles",) if window.cycles < setting.record_cycles else ()
+    return RunEnergy(
+        run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
+        u_noise=noise_of(energy, force, acceleration, round(window.cycles * window.grid.period)),
+        flags=(*flag_names(int(bits)), *short, *_limits(record.scalars(run.name))),
+        ledger=_ledger(record, run, setting, window),
+    )  # fmt: skip
+
+
+def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None) -> dict[str, Any]:
+    """The report (interfaces.md, report.json) of a session from its record alone.
+
+    energies: results of run_energy by run name, where they are there already. Runs that cannot be used are listed under
+    `left_out` with the reason.
+    """
+    known, left_out = dict(energies or {}), []
+    for run in record.runs:
+        if run.name not in known:
+            try:
+                known[run.name] = run_energy(record, run)
+            except AnalysisError as error:
+                left_out.append({"run": run.name, "why": str(error)})
+    protocol, rig = record.document("protocol") or {}, record.document("rig") or {}
+    return agreement(
+        [known[run.name] for run in record.runs if run.name in known],
+        record.conditions,
+        record.document("prediction"),
+        record.channels,
+        protocol=str(protocol.get("name", "")),
+        question=str(protocol.get("question", "")),
+        synthetic=record.synthetic,
+        assumed=rig.get("values", ()),
+        left_out=left_out,
+    )
+
+
+def _channel(record: Record, name: str) -> ChannelFacts:
+    if name not in record.channels:
+        raise AnalysisError(f"the record has no channel {name!r}; it has {', '.join(record.channels)}")
+    return record.channels[name]
+
+
+def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """Limits of the exciter that the run would have exceeded, as flags: "over_force_1.17"."""
+    return tuple(
+        f"over_{name.removeprefix(LIMITS)}_{value:.2f}"
+        for name, value in scalars.items()
+        if name.startswith(LIMITS) and math.isfinite(value) and value > 1
+    )
+
+
+def _ledger(record: Record, run: RunFacts, setting: Setting, window: Window) -> dict[str, float] | None:
+    """True energies over the drive cycles that the window covers; None for a record without truth."""
+    truth = record.truth
+    if truth is None:
+        return None
+    columns, rows = truth.ledger(run.name)
+    first = round(setting.settle_cycles)
+    used = np.asarray(rows)[first : first + window.cycles]
+    if len(used) < window.cycles:
+        return None
+    means = dict(zip(columns, (float(value) for value in used.mean(axis=0)), strict=True))
+    if "closure" in means:
+        means["closure"] = float(np.abs(used[:, columns.index("closure")]).max())
+    return means

@@ -1,0 +1,158 @@
+"""What the analysis needs of a record, and what it makes of one run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.energy import Energy
+
+__all__ = ["AnalysisError", "ChannelFacts", "Record", "RunEnergy", "RunFacts", "Setting", "Signal", "Truth"]
+
+
+class AnalysisError(Exception):
+    """A record or a run cannot be analysed; the message says which and why."""
+
+
+class ChannelFacts(Protocol):
+    """The row of the channel table that corrections and uncertainties are made from (certified values, SI)."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def model(self) -> str: ...
+    @property
+    def sensitivity(self) -> float: ...
+    @property
+    def time_constant(self) -> float | None: ...
+    @property
+    def time_constant_spread(self) -> float: ...
+    @property
+    def filter_delay(self) -> float: ...
+    @property
+    def skew(self) -> float: ...
+    @property
+    def calibration_U(self) -> float: ...
+    @property
+    def gain_tolerance(self) -> float: ...
+    @property
+    def clock_ppm(self) -> float: ...
+    @property
+    def noise_rms(self) -> float: ...
+
+
+class RunFacts(Protocol):
+    """A run as the record lists it."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def condition(self) -> str: ...
+    @property
+    def repeat(self) -> int: ...
+    @property
+    def order(self) -> int: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def complete(self) -> bool: ...
+    @property
+    def flags(self) -> int: ...
+    @property
+    def rate(self) -> float: ...
+
+
+class Signal(Protocol):
+    """Samples in engineering units, with the quality bits of the blocks they came in."""
+
+    @property
+    def samples(self) -> NDArray[np.float64]: ...
+    @property
+    def flags(self) -> int: ...
+
+
+class Truth(Protocol):
+    """What only a simulated session knows."""
+
+    def ledger(self, run: str) -> tuple[tuple[str, ...], NDArray[np.float64]]: ...
+
+
+class Record(Protocol):
+    """The part of daq.session.Record that is read here; any source of records may offer the same."""
+
+    @property
+    def runs(self) -> tuple[RunFacts, ...]: ...
+    @property
+    def conditions(self) -> Mapping[str, Mapping[str, Any]]: ...
+    @property
+    def channels(self) -> Mapping[str, ChannelFacts]: ...
+    @property
+    def synthetic(self) -> bool: ...
+    @property
+    def truth(self) -> Truth | None: ...
+    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal: ...
+    def document(self, name: str) -> Any: ...
+    def scalars(self, run: str) -> Mapping[str, float]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A condition: what was set, as the session says. SI units; carried: a bed is there but nothing in it can slide."""
+
+    id: str
+    material: str
+    density: float
+    diameter: float
+    fill: float
+    bed: str
+    drive: str
+    bed_mass: float
+    carried: bool
+    frequency: float
+    acceleration_set: float
+    settle_cycles: float
+    record_cycles: int
+    box_mass: float
+    gauge_mass: float
+    moving_mass: float
+
+    @classmethod
+    def of(cls, condition: Mapping[str, Any]) -> "Setting":
+        """The setting in a session's condition. AnalysisError naming the first key that is missing."""
+        try:
+            return cls(**{name: condition[name] for name in cls.__slots__})
+        except KeyError as error:
+            raise AnalysisError(f"condition {condition.get('id', '?')} lacks {error.args[0]!r}") from error
+
+    @property
+    def is_empty(self) -> bool:
+        """No grains in the box."""
+        return self.bed == "empty" or self.bed_mass == 0
+
+    @property
+    def is_bonded(self) -> bool:
+        """Grains are in the box and cannot slide: bonded to it, or packed too full to flow."""
+        return not self.is_empty and (self.bed == "locked" or self.carried)
+
+
+@dataclass(frozen=True, eq=False)
+class RunEnergy:
+    """Energies of one run.
+
+    flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
+    from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions only);
+    its `closure` is the largest relative error of the account.
+    """
+
+    run: str
+    condition: str
+    repeat: int
+    order: int
+    energy: Energy
+    u_noise: float = 0.0
+    flags: tuple[str, ...] = ()
+    ledger: Mapping[str, float] | None = None

@@ -1,0 +1,135 @@
+"""Where the uncertainty of W comes from: a budget after the GUM, with what is shared between conditions kept apart.
+
+A line is one input quantity with its standard uncertainty u, its degrees of freedom nu and two sensitivities:
+c = dW_exp per unit of the input, c_T = dW_T per unit, because W_T is evaluated at the *measured* acceleration. A scale
+error e of the accelerometer moves W_exp by W e and W_T by n W_T e, n = dlnW/dlna: their difference carries 1 - n.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from analysis.correction import pole_phase
+from analysis.energy import Energy
+from analysis.estimate import Estimate, effective_dof
+from analysis.runs import ChannelFacts
+
+__all__ = [
+    "Line", "angle_uncertainty", "certificate_lines", "combine", "noise_of", "numerics_line", "resolution_lines",
+    "scatter_line",
+]  # fmt: skip
+
+CERTIFICATE_NU = 50.0  # degrees of freedom of a calibration certificate that states k = 2
+RESOLUTION = 1e-4  # relative standard uncertainty of the arithmetic (interpolation, filter ripple, window edges)
+ANGLE_RESOLUTION = 5e-6  # rad, standard uncertainty of the same between the two channels
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition."""
+
+    source: str
+    unit: str
+    u: float
+    nu: float
+    c: float
+    c_T: float = 0.0
+    shared: bool = True
+
+    @property
+    def part(self) -> float:
+        """Contribution to W_exp, J, with its sign."""
+        return self.c * self.u
+
+    @property
+    def part_T(self) -> float:
+        """Contribution to W_T, J, with its sign."""
+        return self.c_T * self.u
+
+
+def combine(value: float, parts: Iterable[tuple[float, float]]) -> Estimate:
+    """Estimate from independent parts (standard uncertainty in the value's unit, nu)."""
+    parts = list(parts)
+    return Estimate(value, math.sqrt(math.fsum(u * u for u, _ in parts)), effective_dof(parts))
+
+
+def certificate_lines(
+    force: ChannelFacts,
+    acceleration: ChannelFacts,
+    frequency: float,
+    W: float,
+    reactive: float,
+    W_T: float = 0.0,
+    exponent: float = 0.0,
+) -> tuple[Line, ...]:
+    """Type B lines from the channel table; those that contribute nothing are left out.
+
+    frequency: Hz; W, W_T: J per cycle; reactive: (pi/w^2) M_eff a^2 in J; exponent: dlnW_T/dlna. Sensitivities: normal,
+    U/2; gains and clock: rectangular, half-width/sqrt(3); poles: sigma of ln tau, acting through the phase
+    atan(1/(w tau)), whose derivative is -sin(2 phase)/2.
+    """
+    nT = exponent * W_T
+    omega = 2 * math.pi * frequency
+    f_pole, a_pole = reactive * _turn(omega, force), -reactive * _turn(omega, acceleration)
+    lines = [
+        Line("force sensitivity", "1", force.calibration_U / 2, CERTIFICATE_NU, W),
+        Line("acceleration sensitivity", "1", acceleration.calibration_U / 2, CERTIFICATE_NU, W, nT),
+        Line("force gain", "1", force.gain_tolerance / math.sqrt(3), math.inf, W),
+        Line("acceleration gain", "1", acceleration.gain_tolerance / math.sqrt(3), math.inf, W, nT),
+        Line("force pole (ln tau)", "1", _spread(force), math.inf, f_pole),
+        Line("acceleration pole (ln tau)", "1", _spread(acceleration), math.inf, a_pole),
+        Line("clock", "1", max(force.clock_ppm, acceleration.clock_ppm) * 1e-6 / math.sqrt(3), math.inf, -2 * W),
+    ]
+    return tuple(line for line in lines if line.u > 0)
+
+
+def _spread(channel: ChannelFacts) -> float:
+    return 0.0 if channel.time_constant is None else channel.time_constant_spread
+
+
+def _turn(omega: float, channel: ChannelFacts) -> float:
+    """|d phase / d ln tau| of a channel's pole, rad."""
+    return math.sin(2 * pole_phase(omega, channel.time_constant)) / 2
+
+
+def angle_uncertainty(force: ChannelFacts, acceleration: ChannelFacts, frequency: float) -> Estimate:
+    """The angle between the two channels that is left after correction: 0 rad with its standard uncertainty."""
+    omega = 2 * math.pi * frequency
+    parts = [(_spread(channel) * _turn(omega, channel), math.inf) for channel in (force, acceleration)]
+    return combine(0.0, [*parts, (ANGLE_RESOLUTION, math.inf)])
+
+
+def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
+    """What the arithmetic itself may be wrong by; it keeps comparisons of ideal instruments from dividing by zero."""
+    return (
+        Line("arithmetic", "1", RESOLUTION, math.inf, W),
+        Line("arithmetic, angle", "rad", ANGLE_RESOLUTION, math.inf, reactive),
+    )
+
+
+def numerics_line(u_rel: float, W_T: float) -> tuple[Line, ...]:
+    """The prediction's own numerics."""
+    return (Line("prediction numerics", "1", u_rel, math.inf, 0.0, W_T),) if u_rel > 0 else ()
+
+
+def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:
+    """Type A: scatter between runs over the root of their number (GUM 4.2), nothing for a single run."""
+    n = len(values)
+    if n < 2:
+        return ()
+    mean = math.fsum(values) / n
+    s = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1))
+    return (Line("scatter between runs", "J", s / math.sqrt(n), float(n - 1), 1.0, shared=False),)
+
+
+def noise_of(energy: Energy, force: ChannelFacts, acceleration: ChannelFacts, samples: int) -> float:
+    """Standard deviation of W in J from white noise of the two channels, for a window of so many samples.
+
+    Each quadrature of a phasor has sigma sqrt(2/N); W = -(pi/w^2) Im(F A*) turns them into energy.
+    """
+    omega = 2 * math.pi * energy.frequency
+    first = abs(complex(energy.force[0]))
+    return (
+        math.pi / omega**2 * math.sqrt(2 / samples)
+        * math.hypot(first * acceleration.noise_rms, energy.level * force.noise_rms)
+    )  # fmt: skip

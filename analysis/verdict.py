@@ -1,0 +1,66 @@
+"""Whether a session passes: ledger, nulls, record quality and the chain comparison. Claims never decide it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from analysis.conditions import Result
+from analysis.nulls import Null
+
+__all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
+
+CLOSES = 1e-9  # largest closure of an account that closes, relative
+CHAIN_SHARE = 0.9  # share of the conditions in which |E_n_chain| <= 1 is needed
+FAULTS = {"overload_hi", "overload_lo", "iepe_open", "iepe_short", "invalid", "overrun", "gap"}
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within |E_n_chain| <= 1."""
+
+    verdict: str
+    reasons: tuple[str, ...]
+    chain_share: float | None
+
+
+def verdict(
+    results: Sequence[Result], nulls: Sequence[Null], closure: float | None, left_out: Sequence[Mapping[str, str]]
+) -> Verdict:
+    """Judge a session. A check that the record cannot answer (no truth, no null test) is said and fails nothing."""
+    chain = [abs(r.chain.value) <= r.chain.U for r in results if r.chain is not None]
+    share = sum(chain) / len(chain) if chain else None
+    faulted = [run.run for r in results for run in r.runs if FAULTS & set(run.flags)]
+    checks = [
+        _ledger(closure), *map(_null, nulls), _faults(faulted, left_out), _chain(chain, share),
+        (bool(results), "" if results else "No run can be used."),
+    ]  # fmt: skip
+    if not nulls:
+        checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
+    passes = all(good for good, _ in checks)
+    return Verdict("passes" if passes else "fails", tuple(text for _, text in checks if text), share)
+
+
+def _ledger(closure: float | None) -> tuple[bool, str]:
+    if closure is None:
+        return True, "The energy account is not checked: the record holds no truth."
+    good = closure <= CLOSES
+    return good, f"The energy account {'closes' if good else 'does not close'}: {closure:.1e} of the energy in play."
+
+
+def _null(null: Null) -> tuple[bool, str]:
+    words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[null.verdict]
+    return null.verdict != "does not hold", f"The null test with the {null.null} bed {words}: {null.why}."
+
+
+def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:
+    if left_out:
+        return False, f"{len(left_out)} run(s) cannot be used; the first: {left_out[0]['why']}."
+    if faulted:
+        return False, f"{len(faulted)} run(s) are overloaded or faulted, the first is {faulted[0]}."
+    return True, "No run is overloaded or faulted."
+
+
+def _chain(chain: Sequence[bool], share: float | None) -> tuple[bool, str]:
+    if share is None:
+        return True, "The chain comparison is not made: the record holds no truth."
+    inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
+    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {CHAIN_SHARE:.0%} are needed)."
