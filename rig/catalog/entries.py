@@ -1,0 +1,98 @@
+"""What the catalog returns: frozen SI numbers, and every number's origin beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from rig.units import GRAVITY, Quantity
+
+STATUSES = ("sourced", "recalled", "computed", "assumed")
+
+Positive = Annotated[float, Quantity("number", 0.0, 1e12, above=True)]
+Fraction = Annotated[float, Quantity("number", 0.0, 1.0)]
+Friction = Annotated[float, Quantity("number", 0.0, 10.0)]
+Density = Annotated[float, Quantity("density", 0.0, 30000.0, above=True)]
+Stiffness = Annotated[float, Quantity("stiffness", 0.0, 1e12, above=True)]
+
+
+@dataclass(frozen=True)
+class CatalogValue:
+    """One number with its origin: `value` in the SI `unit`, `status` one of STATUSES, `source` in words."""
+
+    path: str
+    value: float | tuple[float, ...] | None
+    unit: str
+    status: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Material:
+    """A grain material: density kg/m^3, Young's modulus Pa, Poisson ratio."""
+
+    name: str
+    label: str
+    density: Density
+    youngs_modulus: Annotated[float, Quantity("pressure", 0.0, 2e12, above=True)]
+    poisson_ratio: Annotated[float, Quantity("number", 0.0, 0.5)]
+
+
+@dataclass(frozen=True)
+class Exciter:
+    """An electrodynamic exciter with its amplifier's limits and its stinger (hardware.md): peak force N, force constant
+    N/A, coil ohm and H, peak current A and voltage V, stroke +-m, masses kg, stiffnesses N/m, stinger damping N s/m,
+    stinger buckling load N."""
+
+    name: str
+    force_peak: Annotated[float, Quantity("force", 0.0, 1e7, above=True)]
+    force_constant: Annotated[float, Quantity("force constant", 0.0, 1e5, above=True)]
+    resistance: Annotated[float, Quantity("resistance", 0.0, 1e4, above=True)]
+    inductance: Annotated[float, Quantity("inductance", 0.0, 10.0)]
+    current_peak: Annotated[float, Quantity("current", 0.0, 1e5, above=True)]
+    voltage_peak: Annotated[float, Quantity("voltage", 0.0, 1e5, above=True)]
+    stroke: Annotated[float, Quantity("length", 0.0, 1.0, above=True)]
+    moving_mass: Annotated[float, Quantity("mass", 0.0, 1e4, above=True)]
+    flexure_stiffness: Stiffness
+    flexure_damping_ratio: Fraction
+    body_mass: Annotated[float, Quantity("mass", 0.0, 1e6, above=True)]
+    isolation_stiffness: Stiffness
+    isolation_damping_ratio: Fraction
+    stinger_stiffness: Stiffness
+    stinger_damping: Annotated[float, Quantity("damping", 0.0, 1e6)]
+    stinger_buckling: Annotated[float, Quantity("force", 0.0, 1e9, above=True)]
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Everything about the stand that a protocol does not say. Every number is a field of the rig file.
+
+    wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume fractions of the
+    shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity m/s^2; parasitic losses `loss_noise`
+    (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); relative level error and third harmonic of the waveform;
+    relative scatter per refill of the packing and of the free play; analyzer range of each channel in V (keys `force`
+    and `acceleration`); `provenance` of the losses as `rig calibrate` wrote it; `values` lists every number's origin.
+    """
+
+    name: str
+    exciter: Exciter
+    wall_friction: Friction = 0.45
+    janssen_ratio: Annotated[float, Quantity("number", 0.0, 10.0)] = 0.7
+    grain_friction: Friction = 0.25
+    restitution_grains: Fraction = 0.90
+    restitution_wall: Fraction = 0.75
+    packing_shaken: Annotated[float, Quantity("number", 0.0, 0.75, above=True)] = 0.63
+    packing_loose: Annotated[float, Quantity("number", 0.0, 0.75, above=True)] = 0.57
+    wall_density: Density = 7850.0
+    gauge_mass: Annotated[float, Quantity("mass", 0.0, 100.0)] = 0.02
+    gravity: Annotated[float, Quantity("acceleration", 0.0, 1000.0)] = GRAVITY
+    loss_noise: Annotated[float, Quantity("damping", 0.0, 1e9)] = 0.0
+    loss_air: Annotated[float, Quantity("quadratic damping", 0.0, 1e9)] = 0.0
+    level_error: Fraction = 0.003
+    third_harmonic: Fraction = 0.003
+    refill_packing: Fraction = 0.01
+    refill_play: Fraction = 0.10
+    ranges: Mapping[str, float] = field(default_factory=lambda: {"force": 10.0, "acceleration": 1.0}, hash=False)
+    provenance: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    values: tuple[CatalogValue, ...] = ()

@@ -1,0 +1,128 @@
+"""What a single value cannot say: whether scene, drive and acquisition fit together and are built."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from rig.catalog import analyzer, names
+from rig.catalog.shelves import IDEAL, sensors_for
+from rig.errors import nearest, quote
+from rig.scene import (
+    BEDS,
+    BUILT_BEDS,
+    BUILT_LOSSES,
+    BUILT_MODES,
+    HORIZONTAL_ONLY_BEDS,
+    Acquire,
+    Drive,
+    Scene,
+)
+
+if TYPE_CHECKING:
+    from daq.channel import AnalyzerSpec
+
+LEAST_SAMPLES = 500
+MOST_SAMPLES_PER_CYCLE = 10**6
+MOST_SAMPLES = 10**9
+MOST_LAYERS = 20000
+MOST_ROWS = 10**7
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """A mistake in values taken together; the first of `paths` is the field to name, the others take part."""
+
+    paths: tuple[str, ...]
+    found: str
+    allowed: str
+    hint: str = ""
+
+
+def conflicts(scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+    """Everything that keeps this condition from being run."""
+    yield from _not_built(scene, drive)
+    yield from _names(scene, acquire)
+    yield from _box(scene)
+    yield from _sampling(drive, acquire)
+
+
+def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
+    if scene.bed not in BUILT_BEDS:
+        yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
+    if drive.mode not in BUILT_MODES:
+        yield Conflict(("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES))
+    for loss in scene.losses:
+        if loss not in BUILT_LOSSES:
+            yield Conflict(("scene.losses",), f"the loss {loss}, not built yet", ", ".join(BUILT_LOSSES))
+    if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
+        able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
+        waiting = [bed for bed in able if bed not in BUILT_BEDS]
+        beds = f"{', '.join(able)} ({', '.join(waiting)}: not built yet)" if waiting else ", ".join(able)
+        found = f"axis {scene.axis} with bed {scene.bed}"
+        yield Conflict(("scene.axis", "scene.bed"), found, f"horizontal for this bed; on this axis the beds {beds}")
+
+
+def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
+    sensors = acquire.sensors
+    for path, name, known in (
+        ("scene.grains.material", scene.grains.material, names("material")),
+        ("acquire.analyzer", acquire.analyzer, (*names("analyzer"), IDEAL)),
+        ("acquire.sensors.force", sensors.force, (*sensors_for("force"), IDEAL)),
+        ("acquire.sensors.acceleration", sensors.acceleration, (*sensors_for("acceleration"), IDEAL)),
+    ):
+        if name not in known:
+            yield Conflict((path,), quote(name), ", ".join(known), nearest(name, known))
+
+
+def _box(scene: Scene) -> Iterator[Conflict]:
+    cavity, grains = scene.cavity, scene.grains
+    smallest = min(cavity.length, cavity.width, cavity.height)
+    cavity_paths = ("scene.cavity.length", "scene.cavity.width", "scene.cavity.height")
+    if grains.diameter > smallest:
+        found = f"grains of {grains.diameter:g} m in a cavity of {smallest:g} m"
+        yield Conflict(("scene.grains.diameter", *cavity_paths), found, "grains smaller than the cavity")
+        return
+    if scene.bed != "layers" or grains.fill == 0.0:
+        return
+    layers = round(grains.fill * cavity.height / grains.diameter)
+    paths = ("scene.grains.diameter", "scene.grains.fill", "scene.cavity.height")
+    if layers < 1:
+        found = f"a fill of {grains.fill * cavity.height:g} m, less than half a layer of {grains.diameter:g} m grains"
+        yield Conflict(("scene.grains.fill", *paths), found, "0, or at least half a layer of grains")
+    elif layers > MOST_LAYERS:
+        yield Conflict(paths, f"{layers} layers of grains", f"at most {MOST_LAYERS} layers")
+    elif layers * scene.layers.rows > MOST_ROWS:
+        found = f"{layers * scene.layers.rows} rows in all layers"
+        yield Conflict(("scene.layers.rows", *paths), found, f"at most {MOST_ROWS}")
+
+
+def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency", "acquire.allow_undersampled")
+    wanted = acquire.samples_per_cycle
+    if wanted < LEAST_SAMPLES and not acquire.allow_undersampled:
+        hint = "set acquire.allow_undersampled: true to go below"
+        yield Conflict((path, *paths), f"{wanted}", f"at least {LEAST_SAMPLES} samples per cycle", hint)
+    spec = _known_analyzer(acquire.analyzer)
+    if spec is None:
+        return
+    fastest = max(spec.rates)
+    if fastest < drive.frequency * wanted * (1 - 1e-12):
+        found = f"{wanted} samples per cycle at {drive.frequency:g} Hz"
+        allowed = f"at most {fastest / drive.frequency:.4g} there: the fastest rate of {spec.model} is {fastest:g} S/s"
+        yield Conflict((path, *paths), found, allowed)
+        return
+    actual = spec.rate_for(drive.frequency, wanted) / drive.frequency
+    if actual > MOST_SAMPLES_PER_CYCLE:
+        found = f"{drive.frequency:g} Hz, {actual:.4g} samples per cycle at the analyzer's slowest rate"
+        yield Conflict(("drive.frequency", *paths), found, f"at most {MOST_SAMPLES_PER_CYCLE} samples per cycle")
+    elif actual * (acquire.settle + acquire.record) > MOST_SAMPLES:
+        found = f"{actual * (acquire.settle + acquire.record):.4g} samples in a run"
+        yield Conflict(("acquire.record", "acquire.settle", path, *paths), found, f"at most {MOST_SAMPLES}")
+
+
+@cache
+def _known_analyzer(name: str) -> AnalyzerSpec | None:
+    return analyzer(name) if name in (*names("analyzer"), IDEAL) else None

@@ -1,0 +1,28 @@
+"""A tree of plain values that know where they were written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+Scalar = str | int | float | bool | None
+
+
+@dataclass(frozen=True)
+class Node:
+    """A value and its place. `value` is a scalar, a tuple of nodes or a dict of nodes; `text` a scalar as written;
+    `key_places` says where each key of a dict stands; `quoted` marks text written in quotes."""
+
+    where: str
+    value: Scalar | tuple[Node, ...] | dict[str, Node]
+    text: str = ""
+    key_places: dict[str, str] = field(default_factory=dict)
+    quoted: bool = False
+
+    def plain(self) -> Any:
+        """The value as nested dicts, lists and scalars."""
+        if isinstance(self.value, dict):
+            return {key: node.plain() for key, node in self.value.items()}
+        if isinstance(self.value, tuple):
+            return [node.plain() for node in self.value]
+        return self.value
