@@ -1,0 +1,77 @@
+"""Acquisition: whatever delivers blocks of codes. Emulated today; replayed or a card later, nothing after it knows."""
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from daq.block import Block, Flag
+from daq.fir import DELAY, OVERSAMPLING
+from daq.frontend import BLOCK, Codes, FrontEnd
+from daq.source import AnalogSource
+
+__all__ = ["Acquisition", "Emulated"]
+
+
+@runtime_checkable
+class Acquisition(Protocol):
+    """A stream of blocks of codes; the sample index is its only clock."""
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channel names in row order."""
+
+    @property
+    def rate(self) -> float:
+        """Samples per second and channel, Hz."""
+
+    def read(self, n: int) -> Block:
+        """The next n samples of every channel."""
+
+
+class Emulated:
+    """An analyzer's front end on an analog source.
+
+    The source is read in fixed internal blocks (up to one block ahead), so that codes do not depend on the sizes of
+    the reads. Blocks that start before the filter has filled (2 x 39 samples) are marked as settling.
+    """
+
+    def __init__(self, source: AnalogSource, frontend: FrontEnd) -> None:
+        if source.names != frontend.names:
+            raise ValueError(f"the source has the channels {source.names}, the front end {frontend.names}")
+        if abs(source.rate - OVERSAMPLING * frontend.rate) > 1e-9 * source.rate:
+            raise ValueError(f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz")
+        self._source = source
+        self._frontend = frontend
+        self._next = 0
+        self._ahead: Codes = np.empty((len(frontend.names), 0), dtype=np.int32)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channel names in row order."""
+        return self._frontend.names
+
+    @property
+    def rate(self) -> float:
+        """Samples per second and channel, Hz."""
+        return self._frontend.rate
+
+    def read(self, n: int) -> Block:
+        """The next n samples of every channel; overload bits where a code lies at a rail. ValueError for n < 1."""
+        if n < 1:
+            raise ValueError(f"{n} samples were asked for")
+        parts, have = [self._ahead], self._ahead.shape[1]
+        while have < n:
+            parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * BLOCK)))
+            have += BLOCK
+        codes = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
+        self._ahead = codes[:, n:].copy()
+        return self._block(codes[:, :n])
+
+    def _block(self, codes: Codes) -> Block:
+        start = self._next
+        self._next += codes.shape[1]
+        high = np.count_nonzero(codes == self._frontend.highest, axis=1)
+        low = np.count_nonzero(codes == self._frontend.lowest, axis=1)
+        settling = start < 2 * DELAY
+        flags = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0) + Flag.NOT_SETTLED * settling
+        return Block(start, codes, flags.astype(np.uint16), (high + low).astype(np.uint32), settling)

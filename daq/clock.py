@@ -1,0 +1,58 @@
+"""Pacing: the sample index is the only clock; wall time is a wrapper that waits for it and fails when late."""
+
+import time
+from collections.abc import Callable
+
+__all__ = ["Overrun", "Pacer"]
+
+
+class Overrun(Exception):
+    """The rig could not keep up with the wall clock. `late`: seconds beyond the deadline of `sample_index`."""
+
+    def __init__(self, sample_index: int, late: float, margin: float) -> None:
+        self.sample_index = sample_index
+        self.late = late
+        super().__init__(
+            f"sample {sample_index} came {late:.3f} s after its time, more than the {margin:g} s allowed; "
+            "choose a slower speed, or max"
+        )
+
+
+class Pacer:
+    """Holds a stream of samples to wall time.
+
+    rate: samples per second of rig time. speed: rig seconds per wall second, None for as fast as possible. margin:
+    seconds that a sample may come late. clock, sleep: seconds, monotonic; replaceable for tests.
+    """
+
+    def __init__(
+        self,
+        rate: float,
+        speed: float | None = None,
+        margin: float = 0.5,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        if not rate > 0 or (speed is not None and not speed > 0):
+            raise ValueError(f"rate {rate} and speed {speed} must be positive")
+        self._per_sample = 0.0 if speed is None else 1 / (rate * speed)
+        self._margin = margin
+        self._clock = clock
+        self._sleep = sleep
+        self._start: float | None = None
+
+    def wait(self, sample_index: int) -> None:
+        """Return when the wall time of `sample_index` has come; time 0 is the first call's. Raises Overrun when late.
+
+        Every deadline counts from the start, so that waits do not accumulate errors.
+        """
+        if not self._per_sample:
+            return
+        now = self._clock()
+        if self._start is None:
+            self._start = now - sample_index * self._per_sample
+        remaining = self._start + sample_index * self._per_sample - now
+        if remaining > 0:
+            self._sleep(remaining)
+        elif -remaining > self._margin:
+            raise Overrun(sample_index, -remaining, self._margin)
