@@ -12,12 +12,16 @@ from daq.channel import AnalyzerSpec, Channel, ChannelState
 from daq.fir import DELAY, OVERSAMPLING, Decimator
 from daq.source import FloatArray
 
-__all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "noise_volts"]
+__all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "NotFinite", "noise_volts"]
 
 BLOCK = 5120  # output samples per internal block; fixed, so that no result depends on how a record is read
 FILTER_DELAY = DELAY - 0.5 / OVERSAMPLING  # samples; output n is centred at drive time (n - FILTER_DELAY) / rate
 
 Codes = npt.NDArray[np.int32]
+
+
+class NotFinite(Exception):
+    """A source delivered a value that is not a finite number; no code stands for it."""
 
 
 @dataclass(frozen=True)
@@ -68,10 +72,12 @@ class FrontEnd:
         self._gauss = np.zeros(BLOCK)
 
     def convert(self, volts: FloatArray) -> Codes:
-        """Codes (channels, BLOCK) of the next volts (channels, 8 BLOCK); the array is the caller's."""
+        """Codes (channels, BLOCK) of the next volts (channels, 8 BLOCK); the array is the caller's. Raises NotFinite."""
         codes = np.empty((len(self._converters), BLOCK), dtype=np.int32)
         for row, converter in enumerate(self._converters):
             filtered = self._decimators[row].push(volts[row])
+            if not np.isfinite(filtered).all():
+                raise NotFinite(f"channel {self.names[row]}: the source delivered a value that is not finite")
             if converter.noise:
                 self._noise[row].standard_normal(out=self._gauss)
             _quantise(filtered, converter.codes_per_volt, self._gauss, converter.noise,

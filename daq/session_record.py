@@ -127,26 +127,25 @@ class Record:
 
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
         """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
-        channel = self._channel(name)
-        codes = self.codes(run, name, start, stop)
-        samples = codes.astype(np.float64)
+        channel, status = self._channel(name), self._status(run)
+        first, last = self._within(run, status, start, stop)
+        samples = self.rows(f"{run}/data/{name}", "<i4", first, last).astype(np.float64)
         samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
-        return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit,
-                      self._flags(run, name, start, start + len(codes)))  # fmt: skip
+        blocks = self._blocks(run, status)
+        touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first)
+        flags = np.bitwise_or.reduce(blocks["flags"][touched, self._column(name)], initial=0)
+        return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
 
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
         """Converter codes start..stop (default: all valid ones) of a channel, int32."""
-        valid = int(self._status(run)["samples"])
-        last = valid if stop is None else stop
-        if not 0 <= start <= last <= valid:
-            raise SessionError(f"{run} has {valid} valid samples; {start} to {last} was asked for")
-        return self.rows(f"{run}/data/{self._channel(name).name}", "<i4", start, last)
+        first, last = self._within(run, self._status(run), start, stop)
+        return self.rows(f"{run}/data/{self._channel(name).name}", "<i4", first, last)
 
     def blocks(self, run: str) -> npt.NDArray[np.void]:
         """The blocks recorded so far: start, count, flags and clipped (one column per channel)."""
-        return self.rows(f"{run}/blocks", block_dtype(len(self.channels)), 0, int(self._status(run)["blocks"]))
+        return self._blocks(run, self._status(run))
 
     def scalars(self, run: str) -> dict[str, float]:
         """The floats that the run ended with, by name; empty where it is not complete."""
@@ -190,11 +189,18 @@ class Record:
         index = self._index[run]
         return self.rows("session/status", status_dtype, index, index + 1)[0]
 
-    def _flags(self, run: str, name: str, start: int, stop: int) -> int:
-        blocks = self.blocks(run)
-        row = list(self.channels).index(name)
-        touched = (blocks["start"] < stop) & (blocks["start"] + blocks["count"] > start)
-        return int(np.bitwise_or.reduce(blocks["flags"][touched, row], initial=0))
+    def _blocks(self, run: str, status: Any) -> npt.NDArray[np.void]:
+        return self.rows(f"{run}/blocks", block_dtype(len(self.channels)), 0, int(status["blocks"]))
+
+    def _within(self, run: str, status: Any, start: int, stop: int | None) -> tuple[int, int]:
+        valid = int(status["samples"])
+        last = valid if stop is None else stop
+        if not 0 <= start <= last <= valid:
+            raise SessionError(f"{run} has {valid} valid samples; {start} to {last} was asked for")
+        return start, last
+
+    def _column(self, name: str) -> int:
+        return list(self.channels).index(name)
 
     def _channel(self, name: str) -> ChannelInfo:
         if name not in self.channels:
