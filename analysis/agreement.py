@@ -16,6 +16,7 @@ __all__ = ["agreement"]
 
 SCHEMA = "rig/agreement/1"
 NAMED = ("id", "material", "density", "diameter", "fill", "bed", "drive", "bed_mass")
+BOX_LOSSES = ("W_noise", "W_air", "W_gas", "W_mount")  # ledger columns of what is not in the bed
 OWN_MECHANISM = {"grains"}  # beds that do not share the mechanism behind W_T
 
 
@@ -126,7 +127,8 @@ def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     """Energy-weighted ratio, slope through the origin, mean offset; errors common to all conditions stay common."""
     told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
     if not told:
-        return dict.fromkeys(("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset"), None) | {"n": 0}
+        names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset", "put_in")
+        return dict.fromkeys(names, None) | {"n": 0}
     total, square = math.fsum(w for _, w in told), math.fsum(w * w for _, w in told)
     ratio = math.fsum(r.W_exp.value for r, _ in told) / total
     slope = math.fsum(r.W_exp.value * w for r, w in told) / square
@@ -136,7 +138,15 @@ def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     return {
         "ratio": ratio, "U_ratio": ratio_e.U, "k": ratio_e.k, "nu": ratio_e.nu, "slope": slope, "U_slope": slope_e.U,
         "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
+        "put_in": _put_in([r for r, _ in told], total),
     }  # fmt: skip
+
+
+def _put_in(results: Sequence[Result], total: float) -> float | None:
+    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None without truth."""
+    found = [_ledger_mean(result, column) for result in results for column in BOX_LOSSES]
+    known = [value for value in found if value is not None]
+    return math.fsum(known) / total if known else None
 
 
 def _propagated(value: float, weights: Sequence[tuple[Result, float, float]]) -> Estimate:

@@ -144,8 +144,8 @@ class RunEnergy:
     """Energies of one run.
 
     flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
-    from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions only);
-    its `closure` is the largest relative error of the account.
+    from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
+    only); its `closure` is the largest relative error of the account.
     """
 
     run: str

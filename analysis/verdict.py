@@ -43,7 +43,7 @@ def _ledger(closure: float | None) -> tuple[bool, str]:
     if closure is None:
         return True, "The energy account is not checked: the record holds no truth."
     good = closure <= CLOSES
-    return good, f"The energy account {'closes' if good else 'does not close'}: {closure:.1e} of the energy in play."
+    return good, f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative."
 
 
 def _null(null: Null) -> tuple[bool, str]:
@@ -63,4 +63,4 @@ def _chain(chain: Sequence[bool], share: float | None) -> tuple[bool, str]:
     if share is None:
         return True, "The chain comparison is not made: the record holds no truth."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
-    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {CHAIN_SHARE:.0%} are needed)."
+    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed)."

@@ -122,9 +122,8 @@ SAMPLES = 51 * 512
 class Bench:
     """What the synthetic sessions below are made of.
 
-    mass(condition) kg and c(condition, repeat, a0) N s/m turn a condition into an exact signal; gains and turn (rad) are
-    the instruments' hidden errors: true scale factors of force and acceleration, phase lead of the acceleration beyond
-    what its certified pole makes.
+    gains and turn (rad) are the instruments' hidden errors: true scale factors of force and acceleration, phase lead of
+    the acceleration beyond what its certified pole makes. noise: rms in N and m/s^2.
     """
 
     channels: dict[str, Facts] = field(default_factory=lambda: dict(IDEAL))

@@ -1,0 +1,25 @@
+"""report.csv: a line per condition."""
+
+import csv
+import io
+from typing import Any
+
+__all__ = ["csv_text"]
+
+COLUMNS = (
+    "id", "material", "density", "diameter", "fill", "bed", "drive", "bed_mass", "frequency", "acceleration_set",
+    "acceleration", "W_exp", "s_W_exp", "U_W_exp", "k", "nu", "W_net", "W_detect", "W_T", "U_W_T", "W_f", "W_c",
+    "W_T_paper", "bound", "exponent", "offset", "U_offset", "E_n", "E_n_chain", "eta", "M_eff", "thd_force", "thd_box",
+    "period", "periodic_share", "dKE_bed",
+)  # fmt: skip
+
+
+def csv_text(report: dict[str, Any]) -> str:
+    """The conditions as comma-separated values, SI units, names as in report.json, empty where not known."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*COLUMNS, "runs"])
+    for row in report["conditions"]:
+        values = ("" if row[name] is None else row[name] for name in COLUMNS)
+        table.writerow([*values, len(row["runs"])])
+    return text.getvalue()

@@ -1,0 +1,62 @@
+"""Style and table sorting of the page."""
+
+__all__ = ["CSS", "SORT"]
+
+CSS = """
+:root { color-scheme: light; --ink: #1c1f23; --soft: #58606a; --line: #d9dde2; --paper: #fff; }
+* { box-sizing: border-box; }
+body { margin: 0; color: var(--ink); background: var(--paper); font: 16px/1.5 system-ui, sans-serif; }
+main { max-width: 72rem; margin: 0 auto; padding: 1rem 1.25rem 3rem; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: .5rem 0; overflow-wrap: anywhere; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .4rem; }
+p, ul { max-width: 46rem; margin: .5rem 0; }
+ul { padding-left: 1.2rem; }
+.lead { font-size: 1.1rem; }
+.note { color: var(--soft); font-size: .875rem; }
+.verdict { border: 1px solid var(--line); border-left: 6px solid; padding: .25rem 1rem .5rem; margin: 1.25rem 0; }
+.verdict.good { border-left-color: #0072b2; }
+.verdict.bad { border-left-color: #b3261e; }
+.verdict h2 { margin-top: .6rem; }
+.result { font-size: 1.05rem; font-weight: 600; }
+.wide { overflow-x: auto; }
+figure { margin: 0; min-width: 34rem; max-width: 60rem; }
+figure svg { display: block; width: 100%; height: auto; }
+table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
+th { border-bottom-color: var(--soft); white-space: nowrap; vertical-align: bottom; }
+td { max-width: 26rem; overflow-wrap: break-word; }
+td.n { text-align: right; white-space: nowrap; }
+tbody tr:hover { background: #f4f6f8; }
+th button { all: unset; cursor: pointer; font-weight: 600; }
+th button:focus-visible, .wide:focus-visible { outline: 2px solid #0072b2; outline-offset: 1px; }
+th[aria-sort=ascending] button::after { content: " \\25B2"; }
+th[aria-sort=descending] button::after { content: " \\25BC"; }
+code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
+@media (max-width: 40rem) { main { padding: .5rem .8rem 2rem; } th, td { padding: .2rem .4rem; } }
+@media print {
+  body { font-size: 10pt; } main { max-width: none; padding: 0; } .wide { overflow: visible; }
+  figure { min-width: 0; } table { font-size: 7.5pt; } th { white-space: normal; } th, td { padding: 1pt 3pt; }
+  section { break-inside: auto; } tr, figure, .verdict { break-inside: avoid; } h2 { break-after: avoid; }
+  thead { display: table-header-group; }
+}
+"""
+
+SORT = """
+for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
+  const th = button.parentElement, body = th.closest("table").tBodies[0], column = th.cellIndex;
+  const down = th.getAttribute("aria-sort") === "ascending";
+  for (const other of th.parentElement.cells) other.removeAttribute("aria-sort");
+  th.setAttribute("aria-sort", down ? "descending" : "ascending");
+  const rows = [...body.rows].map(row => {
+    const cell = row.cells[column], value = parseFloat(cell.dataset.v);
+    return { row, text: cell.textContent, value };
+  });
+  rows.sort((a, b) => {
+    const blank = isNaN(a.value) - isNaN(b.value);
+    if (blank) return blank;
+    const order = isNaN(a.value) ? a.text.localeCompare(b.text, "en", { numeric: true }) : a.value - b.value;
+    return down ? -order : order;
+  });
+  body.append(...rows.map(entry => entry.row));
+});
+"""

@@ -1,0 +1,164 @@
+"""The report's tables, the same in every form of it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["Cell", "Table", "all_tables", "with_U"]
+
+Report = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A table cell: what is shown, and the number to sort by where it is one."""
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A titled table with a note; no rows: nothing to show."""
+
+    title: str
+    note: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
+    """A number to so many significant digits; a dash where it is not known."""
+    return Cell("–") if value is None else Cell(f"{value * scale:.{digits}g}", value * scale)
+
+
+def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
+    """value ± U, U to two significant digits and the value to the same place."""
+    if value is None or U is None or U == 0:
+        return number(value, 4, scale)
+    value, U = value * scale, U * scale
+    places = max(0, 1 - math.floor(math.log10(U)))
+    return Cell(f"{value:.{places}f} ± {U:.{places}f}", value)
+
+
+def all_tables(report: Report) -> tuple[Table, ...]:
+    """The tables that have rows, in the order of the page."""
+    made = (make(report) for make in (conditions, nulls, flags, budget, instruments, values))
+    return tuple(table for table in made if table.rows)
+
+
+def conditions(report: Report) -> Table:
+    """The table of conditions."""
+    head = (
+        "id", "grains", "fill, %", "a, m/s²", "W_exp ± U, mJ", "W_T ± U, mJ", "offset, %", "E_n", "E_n chain",
+        "detect, mJ", "eta", "M_eff, kg", "THD box, %", "bound, mJ",
+    )  # fmt: skip
+    rows = []
+    for row in report["conditions"]:
+        grains = f"{row['material']} {1e3 * row['diameter']:g} mm" if row["bed"] not in ("empty", "dashpot") else ""
+        rows.append((
+            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), number(row["fill"], 3, 100),
+            number(row["acceleration"]),
+            with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
+            with_U(row["offset"], row["U_offset"], 100), number(row["E_n"], 2), number(row["E_n_chain"], 2),
+            number(row["W_detect"], 2, 1e3), number(row["eta"]), number(row["M_eff"], 4),
+            number(row["thd_box"], 2, 100), number(row["bound"], 3, 1e3),
+        ))  # fmt: skip
+    note = (
+        "Energies in mJ per cycle, means over the runs, expanded uncertainties for 95 %. The offset is left out where "
+        "W_exp or W_T is below the detection limit or below U. E_n compares with the prediction, E_n chain with the "
+        "rig's own ledger: within ±1 they agree."
+    )
+    impossible = [
+        row["id"]
+        for row in report["conditions"]
+        if row["bound"] is not None and (row["W_T_paper"] or 0) > row["bound"] * (1 + 1e-9)
+    ]
+    if impossible:
+        note += f" The paper's own formula exceeds the hard bound, and is impossible, in {', '.join(impossible)}."
+    return Table("Conditions", note, head, tuple(rows))
+
+
+def nulls(report: Report) -> Table:
+    """The null tests."""
+    rows = tuple(
+        (
+            Cell(row["null"]), number(row["bed_mass"]), number(row["frequency"]), number(row["levels"]),
+            with_U(row["dphi"], row["U_dphi"], 1e3), Cell(row["verdict"]), Cell(row["why"]),
+        )
+        for row in report["nulls"]
+    )  # fmt: skip
+    note = "A bed that cannot slide must look like mass: the angle between the channels must vanish within its U."
+    head = ("bed", "mass, kg", "f, Hz", "levels", "angle ± U, mrad", "verdict", "why")
+    return Table("Null tests", note, head, rows)
+
+
+def budget(report: Report) -> Table:
+    """The uncertainty budget of the condition with the largest energy."""
+    title = "Uncertainty budget"
+    if not report["conditions"]:
+        return Table(title, "", (), ())
+    top = max(report["conditions"], key=lambda row: float(row["W_exp"]))
+    rows = tuple(
+        (
+            Cell(line["source"]), Cell(f"{line['u']:.2g} {line['unit'].replace('1', '')}".strip(), line["u"]),
+            number(line["c"], 3, 1e3), Cell("∞") if line["nu"] is None else number(line["nu"]),
+            number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
+        )
+        for line in top["uncertainty"]
+    )  # fmt: skip
+    nu = "∞" if top["nu"] is None else f"{top['nu']:.0f}"
+    note = (
+        f"Of W_exp in {top['id']}, the condition with the largest energy: "
+        f"{with_U(top['W_exp'], top['U_W_exp'], 1e3).text} mJ (k = {top['k']:.2f}, {nu} degrees of freedom). Scatter "
+        "between runs holds the instruments' noise. All other lines are common to all conditions; report.json has the "
+        "budget of each."
+    )
+    head = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
+    return Table(title, note, head, rows)
+
+
+def flags(report: Report) -> Table:
+    """Flags and runs that were left out."""
+    rows = [(Cell(entry["flag"]), Cell(_some(entry["runs"]))) for entry in report["flags"]]
+    rows += [(Cell("left out"), Cell(f"{entry['run']}: {entry['why']}")) for entry in report["left_out"]]
+    note = "“over_…” flags say that the exciter would need more than it has (used / limit); they fail nothing here."
+    return Table("Flags", note, ("flag", "runs"), tuple(rows))
+
+
+def instruments(report: Report) -> Table:
+    """The channel table, certified values."""
+    rows = tuple(
+        (
+            Cell(row["channel"]), Cell(row["model"]), Cell(f"{1e3 * row['sensitivity']:.5g} mV per {row['unit']}"),
+            Cell("DC" if row["time_constant"] is None else f"{row['time_constant']:g} s"),
+            number(row["calibration_U"], 2, 100), number(row["gain_tolerance"], 2, 100),
+            Cell(f"{row['noise_rms']:.2g} {row['unit']}"),
+        )
+        for row in report["instruments"]
+    )  # fmt: skip
+    head = ("channel", "model", "sensitivity", "time constant", "U (k = 2), %", "gain tolerance, %", "noise rms")
+    return Table("Instruments", "Certified values; corrections use these and nothing else.", head, rows)
+
+
+def values(report: Report) -> Table:
+    """Assumed and other values of the rig file, with their status."""
+    rows = tuple(
+        (
+            Cell(str(row.get("path", ""))), _plain(row.get("value")), Cell(str(row.get("unit") or "")),
+            Cell(str(row.get("status", ""))), Cell(str(row.get("source") or "")),
+        )
+        for row in report["assumed"]
+    )  # fmt: skip
+    note = "Every value that the rig file holds, with where it comes from; “assumed” ones are ours and can be changed."
+    return Table("Values behind the rig", note, ("value of", "value", "unit", "status", "source"), rows)
+
+
+def _plain(value: object) -> Cell:
+    return number(value, 6) if isinstance(value, float | int) else Cell("" if value is None else str(value))
+
+
+def _some(names: Sequence[str], most: int = 8) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
