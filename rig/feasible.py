@@ -100,11 +100,13 @@ def _box(scene: Scene) -> Iterator[Conflict]:
 
 
 def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency", "acquire.allow_undersampled")
+    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency")
     wanted = acquire.samples_per_cycle
     if wanted < LEAST_SAMPLES and not acquire.allow_undersampled:
         hint = "set acquire.allow_undersampled: true to go below"
-        yield Conflict((path, *paths), f"{wanted}", f"at least {LEAST_SAMPLES} samples per cycle", hint)
+        yield Conflict(
+            (path, "acquire.allow_undersampled"), f"{wanted}", f"at least {LEAST_SAMPLES} samples per cycle", hint
+        )
     spec = _known_analyzer(acquire.analyzer)
     if spec is None:
         return

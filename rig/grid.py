@@ -80,16 +80,22 @@ def seed_key(scene: Scene, drive: Drive) -> str:
 
 
 def shortened(mistakes: list[Mistake]) -> list[Mistake]:
-    """At most MAX_MISTAKES of them, the last one counting the rest."""
+    """In the order of the lines, at most MAX_MISTAKES of them and one that counts the rest."""
+    mistakes = sorted(mistakes, key=_line)
     more = len(mistakes) - MAX_MISTAKES
     if more <= 0:
         return mistakes
     return [*mistakes[:MAX_MISTAKES], Mistake("", "", f"{more} more mistakes", "none")]
 
 
+def _line(mistake: Mistake) -> int:
+    number = mistake.where.rpartition(":")[2]
+    return int(number) if number.isdecimal() else MAX_RUNS
+
+
 def _points(protocol: Protocol) -> Iterator[Point]:
     for chosen in itertools.product(*(range(len(axis.rows)) for axis in protocol.vary)):
-        parts = {"scene": protocol.scene, "drive": protocol.drive, "acquire": protocol.acquire}
+        parts: dict[str, Any] = {"scene": protocol.scene, "drive": protocol.drive, "acquire": protocol.acquire}
         rows = {}
         for axis, row in zip(protocol.vary, chosen, strict=True):
             for path, value in zip(axis.paths, axis.rows[row], strict=True):

@@ -173,7 +173,9 @@ class Protocol:
     expect: tuple[Mapping[str, Any], ...] = ()
 
     def conditions(self) -> tuple[Condition, ...]:
-        """Every condition of the grid, checked and resolved; InputError lists what does not fit together."""
+        """Every condition of the grid, resolved. InputError lists every value out of range and what does not fit."""
         from rig.grid import expand
+        from rig.verify import verify
 
+        verify(self)
         return expand(self)

@@ -44,9 +44,13 @@ class Notes:
         return self.places.get(path, self.places.get("", ""))
 
 
-@cache
 def grammar(kind: Any) -> Mapping[str, Any]:
     """Field name -> annotation of a dataclass."""
+    return _grammar(kind)
+
+
+@cache
+def _grammar(kind: Any) -> Mapping[str, Any]:
     hints = get_type_hints(kind, include_extras=True)
     return {item.name: hints[item.name] for item in fields(kind)}
 
@@ -162,20 +166,22 @@ def _number_of(base: Any, quantity: Quantity, node: Node, path: str, notes: Note
         allowed += ", or none"
     if node.value is None and types.NoneType in options:
         return None
-    return number(node, quantity, path, notes, whole=int in options, allowed=allowed)
+    if int in options:
+        return number(node, quantity, path, notes, whole=True, allowed=f"a whole number, {quantity.range()}")
+    return number(node, quantity, path, notes, allowed=allowed)
 
 
 def number(
     node: Node, quantity: Quantity, path: str, notes: Notes, *, whole: bool = False, allowed: str = ""
 ) -> float | int:
-    """The SI number of a node: a plain number or text with a unit, inside the quantity's range."""
+    """The SI number of a node: a plain number or text with a unit, inside the quantity's range, `allowed` in words."""
     allowed = allowed or str(quantity)
     value: float | int
     if isinstance(node.value, str):
         try:
             value = parse_quantity(node.value, quantity.dimension)
         except UnitError as error:
-            raise notes.reject(node.where, path, quote(node.value), str(error)) from error
+            raise notes.reject(node.where, path, quote(node.value), allowed if whole else str(error)) from error
     elif isinstance(node.value, int | float) and not isinstance(node.value, bool):
         value = node.value
     else:
@@ -187,7 +193,7 @@ def number(
     if not whole:
         return float(value) + 0.0
     if value != int(value):
-        raise notes.reject(node.where, path, describe(node), f"a whole number, {allowed}")
+        raise notes.reject(node.where, path, describe(node), allowed)
     return int(value)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,3 +27,13 @@ class Node:
         if isinstance(self.value, tuple):
             return [node.plain() for node in self.value]
         return self.value
+
+
+def node_of(data: Any, where: str = "") -> Node:
+    """The tree of plain data, every place `where`."""
+    if isinstance(data, Mapping):
+        entries = {key: node_of(part, where) for key, part in data.items()}
+        return Node(where, entries, key_places=dict.fromkeys(entries, where))
+    if isinstance(data, list | tuple):
+        return Node(where, tuple(node_of(part, where) for part in data))
+    return Node(where, data, text=str(data))

@@ -17,6 +17,7 @@ _ONE, _MILLI, _MICRO, _KILO = Decimal(1), Decimal("0.001"), Decimal("0.000001"),
 
 UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "number": {"": _ONE, "%": Decimal("0.01"), "ppm": _MICRO},
+    "ppm": {"ppm": _ONE},
     "cycles": {"cycles": _ONE, "cycle": _ONE},
     "length": {"m": _ONE, "mm": _MILLI, "cm": Decimal("0.01"), "um": _MICRO},
     "mass": {"kg": _ONE, "g": _MILLI},
@@ -59,12 +60,16 @@ class Quantity:
 
     def __str__(self) -> str:
         """The allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm, cm, um)"."""
+        return f"{self.range() or 'a number'} ({allowed_units(self.dimension)})"
+
+    def range(self) -> str:
+        """The allowed range in words, "" where every number is allowed."""
         parts = []
         if math.isfinite(self.least):
             parts.append(f"{'above' if self.above else 'at least'} {_short(self.least, self.dimension)}")
         if math.isfinite(self.most):
             parts.append(f"at most {_short(self.most, self.dimension)}")
-        return f"{', '.join(parts) or 'a number'} ({allowed_units(self.dimension)})"
+        return ", ".join(parts)
 
 
 class UnitError(ValueError):
@@ -111,10 +116,11 @@ def suggest_unit(value: float, quantity: Quantity) -> str:
     """A hint where a plain number out of range makes sense in another unit: 150 m, "did you mean 150 mm?"."""
     for unit, scale in UNITS[quantity.dimension].items():
         if scale < 1 and math.isfinite(value) and quantity.holds(value * float(scale)):
-            plain = f"{value:g} {unit_of(quantity.dimension)}".rstrip()
-            return f"{value:g} is {plain}; did you mean {value:g} {unit}?"
+            plain = f"{value:g} is {_short(value, quantity.dimension)}; " if unit_of(quantity.dimension) else ""
+            return f"{plain}did you mean {value:g} {unit}?"
     return ""
 
 
 def _short(value: float, dimension: str) -> str:
-    return f"{value:g} {unit_of(dimension)}".rstrip()
+    digits = str(value) if isinstance(value, int) else f"{value:g}"
+    return f"{digits} {unit_of(dimension)}".rstrip()

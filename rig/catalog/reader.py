@@ -37,7 +37,8 @@ def read_file(path: Path) -> str:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except OSError as error:
-        raise InputError(Mistake(str(path), "", error.strerror or "an unreadable file", "a readable file")) from error
+        found = (error.strerror or "an unreadable file").lower()
+        raise InputError(Mistake(str(path), "", found, "a readable file")) from error
     if len(data) > MAX_BYTES:
         raise InputError(Mistake(str(path), "", "a file of more than 1 MiB", "at most 1 MiB of YAML"))
     try:

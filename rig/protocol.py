@@ -1,0 +1,175 @@
+"""Protocols: YAML to a frozen Protocol and back, strictly. Every mistake of a file is reported at once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rig.axes import Axes, plain_axes, read_axes
+from rig.catalog.reader import read_file, read_yaml
+from rig.catalog.rigfile import is_path, rig_path
+from rig.catalog.shelves import HERE
+from rig.catalog.writer import write_yaml
+from rig.edits import edited
+from rig.errors import InputError
+from rig.grid import Row, expand, shortened
+from rig.scene import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
+from rig.strict import (
+    Notes,
+    Unreadable,
+    describe,
+    entries_of,
+    grammar,
+    paths_of,
+    plain,
+    value_of,
+    word_of,
+)
+from rig.tree import Node
+
+PARTS: Mapping[str, type] = {"scene": Scene, "drive": Drive, "acquire": Acquire}
+REQUIRED = {"schema": SCHEMA, "name": "a name for the experiment"}
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
+
+
+@dataclass(frozen=True)
+class LoadedProtocol:
+    """A protocol, the text it was written as (before any change from the command line) and its file, if any."""
+
+    protocol: Protocol
+    text: str
+    path: Path | None
+
+
+def load_protocol(
+    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    rig: str | None = None,
+) -> Protocol:  # fmt: skip
+    """The protocol of a file, or of a text (a string of several lines, or one that starts with a brace).
+
+    `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]"; `seed` and `rig`
+    replace the protocol's. Raises InputError with every mistake in it.
+    """
+    return read_protocol(source, sets, varies, seed, rig).protocol
+
+
+def read_protocol(
+    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    rig: str | None = None,
+) -> LoadedProtocol:  # fmt: skip
+    """As load_protocol, with the verbatim text and the file beside the protocol."""
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+        path, text, name = None, source, "protocol"
+    else:
+        path = Path(source)
+        text, name = read_file(path), str(path)
+    root = edited(read_yaml(text, name), sets, varies, seed, rig)
+    folder = path.parent if path is not None and rig is None else Path()
+    return LoadedProtocol(_read(root, folder), text, path)
+
+
+def dump_protocol(protocol: Protocol) -> str:
+    """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal protocol."""
+    data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
+    data["question"] = protocol.question
+    data |= {name: plain(kind, getattr(protocol, name)) for name, kind in PARTS.items()}
+    data["vary"] = plain_axes(protocol.vary)
+    data["repeats"] = plain(Repeats, protocol.repeats)
+    data |= {"seed": protocol.seed, "faults": list(protocol.faults), "expect": list(protocol.expect)}
+    return write_yaml(data)
+
+
+def protocol_template() -> str:
+    """A commented protocol to start from, as `rig init` writes it."""
+    return read_file(HERE / "templates" / "protocol.yaml")
+
+
+def _read(root: Node, folder: Path) -> Protocol:
+    notes, axes = Notes(places={"": root.where}), Axes()
+    try:
+        entries = entries_of(root, "", tuple(grammar(Protocol)), notes)
+    except Unreadable:
+        raise InputError(*notes.mistakes) from None
+    given: dict[str, Any] = {}
+    for key in grammar(Protocol):
+        try:
+            if key == "vary" and key in entries:
+                axes = read_axes(entries[key], notes)
+            elif key in entries:
+                given[key] = _entry(key, entries[key], folder, notes)
+            elif key in REQUIRED:
+                notes.reject(root.where, key, "nothing", REQUIRED[key])
+        except Unreadable:
+            continue
+    protocol = Protocol(**{"name": "", "vary": tuple(axes.axes), **given})
+
+    def place(path: str, rows: Row) -> str:
+        for axis_path, row in rows.items():
+            if path == axis_path or path.startswith(f"{axis_path}."):
+                return axes.places[axis_path][row]
+        return notes.place_of(path)
+
+    mistakes = list(notes.mistakes)
+    try:
+        expand(protocol, place, _spread(notes.failed))
+    except InputError as error:
+        mistakes += error.mistakes
+    if mistakes:
+        raise InputError(*shortened(mistakes))
+    return protocol
+
+
+def _spread(failed: set[str]) -> frozenset[str]:
+    """Failed paths and every path below them: none of those values is the user's."""
+    below = (path for path in paths_of(Protocol) if any(path.startswith(f"{top}.") for top in failed))
+    return frozenset(failed.union(below))
+
+
+def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
+    """The value of one top-level key."""
+    notes.places[key] = node.where
+    if key == "schema":
+        return word_of(node, key, (SCHEMA,), notes)
+    if key == "name":
+        name = word_of(node, key, (), notes)
+        if not _NAME.fullmatch(name):
+            allowed = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
+            raise notes.reject(node.where, key, describe(node), allowed)
+        return name
+    if key == "rig":
+        return _rig(node, folder, notes)
+    if key == "repeats" and isinstance(node.value, int):
+        return Repeats(value_of(grammar(Repeats)["n"], node, key, notes))
+    if key == "faults":
+        if node.value != ():
+            raise notes.reject(node.where, key, "faults, not built yet", "[]")
+        return ()
+    if key == "expect":
+        return _expect(node, notes)
+    return value_of(grammar(Protocol)[key], node, key, notes)
+
+
+def _rig(node: Node, folder: Path, notes: Notes) -> str:
+    """The rig's name; a path is taken from the protocol's own folder."""
+    name = word_of(node, "rig", (), notes)
+    if is_path(name):
+        name = str(folder / name)
+    try:
+        rig_path(name)
+    except InputError as error:
+        for mistake in error.mistakes:
+            notes.reject(node.where, "rig", mistake.found, mistake.allowed, mistake.hint)
+        raise Unreadable("rig") from None
+    return name
+
+
+def _expect(node: Node, notes: Notes) -> tuple[Mapping[str, Any], ...]:
+    if not isinstance(node.value, tuple):
+        raise notes.reject(node.where, "expect", describe(node), "a list of mappings")
+    for item in node.value:
+        if not isinstance(item.value, dict):
+            notes.reject(item.where, "expect", describe(item), "a mapping for each claim")
+    return tuple(item.plain() for item in node.value if isinstance(item.value, dict))

@@ -1,0 +1,25 @@
+"""The checks of a protocol file for a protocol that was built in Python."""
+
+from __future__ import annotations
+
+from rig.axes import plain_axes, read_axes
+from rig.errors import InputError
+from rig.scene import Protocol
+from rig.strict import Notes, Unreadable, grammar, plain, value_of
+from rig.tree import node_of
+
+CHECKED = ("scene", "drive", "acquire", "repeats", "seed")
+
+
+def verify(protocol: Protocol) -> None:
+    """Raise InputError for every value that a protocol file could not hold."""
+    notes = Notes()
+    for name in CHECKED:
+        annotation = grammar(Protocol)[name]
+        try:
+            value_of(annotation, node_of(plain(annotation, getattr(protocol, name))), name, notes)
+        except Unreadable:
+            continue
+    read_axes(node_of(plain_axes(protocol.vary)), notes)
+    if notes.mistakes:
+        raise InputError(*notes.mistakes)
