@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 LONGEST_QUOTE = 60
+MOST_MISTAKES = 50
 
 
 @dataclass(frozen=True)
@@ -50,3 +52,17 @@ def nearest(word: str, choices: Iterable[str]) -> str:
     """The hint "did you mean ...?" for a misspelt word, or "" where nothing is near."""
     close = difflib.get_close_matches(word[:LONGEST_QUOTE], list(choices), n=1, cutoff=0.6)
     return f"did you mean {close[0]!r}?" if close else ""
+
+
+def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
+    """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the rest."""
+    ordered = sorted(mistakes, key=_line)
+    more = len(ordered) - MOST_MISTAKES
+    if more <= 0:
+        return ordered
+    return [*ordered[:MOST_MISTAKES], Mistake("", "", f"{more} more mistakes", "none")]
+
+
+def _line(mistake: Mistake) -> float:
+    number = mistake.where.rpartition(":")[2]
+    return int(number) if number.isdecimal() else math.inf

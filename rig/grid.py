@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from rig.errors import InputError, Mistake
+from rig.errors import InputError, Mistake, in_order
 from rig.feasible import conflicts
 from rig.scene import Acquire, Condition, Drive, Protocol, Scene
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from rig.catalog import Material
 
 MAX_RUNS = 100000
-MAX_MISTAKES = 50
 
 Row = Mapping[str, int]
 """Path -> the row of its axis that a condition takes."""
@@ -61,7 +60,7 @@ def expand(
         seen.setdefault(content, point)
         points.append(point)
     if mistakes:
-        raise InputError(*shortened(list(mistakes)))
+        raise InputError(*in_order(mistakes))
     digits = max(2, len(str(len(points))))
     return tuple(
         Condition(f"c{n:0{digits}d}", point.scene, point.drive, point.acquire, seed_key(point.scene, point.drive))
@@ -77,20 +76,6 @@ def seed_key(scene: Scene, drive: Drive) -> str:
         del content[part][name]
     text = json.dumps(_as_floats(content), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def shortened(mistakes: list[Mistake]) -> list[Mistake]:
-    """In the order of the lines, at most MAX_MISTAKES of them and one that counts the rest."""
-    mistakes = sorted(mistakes, key=_line)
-    more = len(mistakes) - MAX_MISTAKES
-    if more <= 0:
-        return mistakes
-    return [*mistakes[:MAX_MISTAKES], Mistake("", "", f"{more} more mistakes", "none")]
-
-
-def _line(mistake: Mistake) -> int:
-    number = mistake.where.rpartition(":")[2]
-    return int(number) if number.isdecimal() else MAX_RUNS
 
 
 def _points(protocol: Protocol) -> Iterator[Point]:

@@ -14,8 +14,8 @@ from rig.catalog.rigfile import is_path, rig_path
 from rig.catalog.shelves import HERE
 from rig.catalog.writer import write_yaml
 from rig.edits import edited
-from rig.errors import InputError
-from rig.grid import Row, expand, shortened
+from rig.errors import InputError, in_order
+from rig.grid import Row, expand
 from rig.scene import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
 from rig.strict import (
     Notes,
@@ -66,9 +66,10 @@ def read_protocol(
     else:
         path = Path(source)
         text, name = read_file(path), str(path)
-    root = edited(read_yaml(text, name), sets, varies, seed, rig)
+    notes = Notes()
+    root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
     folder = path.parent if path is not None and rig is None else Path()
-    return LoadedProtocol(_read(root, folder), text, path)
+    return LoadedProtocol(_read(root, folder, notes), text, path)
 
 
 def dump_protocol(protocol: Protocol) -> str:
@@ -87,12 +88,13 @@ def protocol_template() -> str:
     return read_file(HERE / "templates" / "protocol.yaml")
 
 
-def _read(root: Node, folder: Path) -> Protocol:
-    notes, axes = Notes(places={"": root.where}), Axes()
+def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
+    axes = Axes()
+    notes.places[""] = root.where
     try:
         entries = entries_of(root, "", tuple(grammar(Protocol)), notes)
     except Unreadable:
-        raise InputError(*notes.mistakes) from None
+        raise InputError(*in_order(notes.mistakes)) from None
     given: dict[str, Any] = {}
     for key in grammar(Protocol):
         try:
@@ -118,7 +120,7 @@ def _read(root: Node, folder: Path) -> Protocol:
     except InputError as error:
         mistakes += error.mistakes
     if mistakes:
-        raise InputError(*shortened(mistakes))
+        raise InputError(*in_order(mistakes))
     return protocol
 
 

@@ -21,5 +21,7 @@ def verify(protocol: Protocol) -> None:
         except Unreadable:
             continue
     read_axes(node_of(plain_axes(protocol.vary)), notes)
+    if protocol.faults:
+        notes.reject("", "faults", "faults, not built yet", "()")
     if notes.mistakes:
         raise InputError(*notes.mistakes)

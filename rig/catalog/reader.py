@@ -36,8 +36,8 @@ def read_file(path: Path) -> str:
     try:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        found = (error.strerror or "an unreadable file").lower()
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        found = (getattr(error, "strerror", None) or "an impossible path").lower()
         raise InputError(Mistake(str(path), "", found, "a readable file")) from error
     if len(data) > MAX_BYTES:
         raise InputError(Mistake(str(path), "", "a file of more than 1 MiB", "at most 1 MiB of YAML"))
@@ -48,22 +48,30 @@ def read_file(path: Path) -> str:
         raise InputError(Mistake(f"{path}:{line}", "", "bytes that are not UTF-8", "YAML text in UTF-8")) from error
 
 
-def read_yaml(text: str, source: str) -> Node:
-    """The tree of one YAML document; places read `source:line`. Raises InputError with every mistake found."""
-    return _Builder(lambda line: f"{source}:{line + 1}").read(text, source)
+def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
+    """The tree of one YAML document; places read `source:line`.
+
+    What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to `mistakes`; what
+    does not raises InputError.
+    """
+    return _Builder(lambda line: f"{source}:{line + 1}", mistakes).read(text, source)
 
 
 def read_value(text: str, place: str) -> Node:
     """The tree of a value given on the command line; every place in it reads `place`. Raises InputError."""
-    return _Builder(lambda _line: place).read(text, place)
+    mistakes: list[Mistake] = []
+    node = _Builder(lambda _line: place, mistakes).read(text, place)
+    if mistakes:
+        raise InputError(*mistakes)
+    return node
 
 
 class _Builder:
     """Builds nodes from parser events, counting them, so that a bound is met before memory is used."""
 
-    def __init__(self, place: Callable[[int], str]) -> None:
+    def __init__(self, place: Callable[[int], str], mistakes: list[Mistake]) -> None:
         self.place = place
-        self.mistakes: list[Mistake] = []
+        self.mistakes = mistakes
         self.nodes = 0
         self.anchors: dict[str, tuple[Node, int]] = {}
 
@@ -77,8 +85,6 @@ class _Builder:
             raise InputError(self._syntax_mistake(error, text, source)) from error
         except (yaml.YAMLError, UnicodeEncodeError) as error:
             raise InputError(Mistake(source, "", "characters that are not text", "YAML text in UTF-8")) from error
-        if self.mistakes:
-            raise InputError(*self.mistakes)
         return root
 
     def _syntax_mistake(self, error: yaml.MarkedYAMLError, text: str, source: str) -> Mistake:
@@ -100,7 +106,7 @@ class _Builder:
                     where = self.place(first.start_mark.line)
                     raise InputError(Mistake(where, "", "a second document", "one document"))
                 root = self._node(first, events, 1)
-        if root is None or (root.value is None and not root.quoted):
+        if root is None or (root.value is None and not root.text):
             raise InputError(Mistake(source, "", "an empty text", "a YAML mapping"))
         return root
 

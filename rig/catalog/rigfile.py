@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from rig.catalog.reader import read_file, read_yaml
 from rig.catalog.shelves import HERE, entry_of, names
 from rig.catalog.stated import Wanted, read_all, wanted_by, write_stated
 from rig.catalog.writer import write_yaml
-from rig.errors import InputError, Mistake, nearest, quote
+from rig.errors import InputError, Mistake, in_order, nearest, quote
 from rig.strict import Notes, Unreadable, describe, entries_of, word_of
 from rig.tree import Node
 from rig.units import Quantity
@@ -36,8 +37,9 @@ def is_path(name: str) -> bool:
 
 def rig_path(name: str | Path) -> Path:
     """The file of a rig; InputError where it does not exist."""
-    path = Path(name) if isinstance(name, Path) or is_path(name) else HERE / "rigs" / f"{name}.yaml"
-    if not path.is_file():
+    named_by_file = isinstance(name, Path) or is_path(name)
+    path = Path(name) if named_by_file else HERE / "rigs" / f"{name}.yaml"
+    if not (os.path.isfile(path) if named_by_file else name in rig_names()):
         hint = nearest(str(name), rig_names())
         allowed = f"{', '.join(rig_names())}, or the path of a rig file (.yaml)"
         raise InputError(Mistake("", "rig", f"no rig {quote(str(name))}", allowed, hint))
@@ -53,11 +55,11 @@ def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
     notes = Notes()
     base = None if path == rig_path(DEFAULT) else load_rig(DEFAULT)
     try:
-        rig = _rig(read_yaml(read_file(path), str(path)), base, notes)
+        rig = _rig(read_yaml(read_file(path), str(path), notes.mistakes), base, notes)
     except Unreadable:
-        raise InputError(*notes.mistakes) from None
+        raise InputError(*in_order(notes.mistakes)) from None
     if notes.mistakes:
-        raise InputError(*notes.mistakes)
+        raise InputError(*in_order(notes.mistakes))
     return rig
 
 

@@ -113,8 +113,8 @@ def entry_of(kind: str, name: str) -> Entry:
 def shelf(kind: str) -> dict[str, Entry]:
     """Every entry of one kind, read once: the files belong to the package and do not change while it runs."""
     path = HERE / f"{kind}s.yaml"
-    root = read_yaml(read_file(path), path.name)
     notes = Notes()
+    root = read_yaml(read_file(path), path.name, notes.mistakes)
     found = {}
     for name, node in root.value.items() if isinstance(root.value, dict) else ():
         if name != "schema":
