@@ -7,7 +7,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from analysis.agreement import agreement
+    from analysis.comparison import agreement
     from analysis.energy import Energy, dissipated_energy
     from analysis.estimate import Estimate
     from analysis.reading import read_session, run_energy
@@ -24,7 +24,7 @@ _HOME = {
     "Energy": "analysis.energy",
     "Estimate": "analysis.estimate",
     "RunEnergy": "analysis.runs",
-    "agreement": "analysis.agreement",
+    "agreement": "analysis.comparison",
     "dissipated_energy": "analysis.energy",
     "read_session": "analysis.reading",
     "run_energy": "analysis.reading",

@@ -47,7 +47,9 @@ class Window:
         end = self.start + self.cycles * self.grid.period
         if self.grid.exact:
             return int(self.start), int(end)
-        return math.floor(self.start) - REACH + 1, math.ceil(end) + REACH
+        # Half a step back from the end is past the last point, however the sum above was rounded.
+        last = end - self.grid.period / self.grid.points / 2
+        return math.floor(self.start) - REACH + 1, math.ceil(last) + REACH
 
 
 def whole_cycles(
@@ -63,8 +65,9 @@ def whole_cycles(
 
     samples: length of the record; rate, frequency: Hz; filter_delay: samples by which the record lags the drive;
     settle: drive cycles left out; cycles: at most so many (None: all that fit). The window starts at the drive's own
-    cycle start, to the nearest sample where a cycle has a whole number of samples, exactly otherwise. ValueError where
-    fewer than 4 samples make a cycle or no whole cycle fits.
+    cycle start, to the nearest sample where a cycle has a whole number of samples, exactly otherwise; where the record
+    is a few samples too short for the last cycle, so many samples earlier. ValueError where fewer than 4 samples make a
+    cycle or no whole cycle fits.
     """
     period = rate / frequency
     if not 4 <= period < math.inf:
@@ -77,11 +80,20 @@ def whole_cycles(
     else:
         grid = Grid(period, 2 * math.ceil(period / 2))
         start, last = max(begin, REACH - 1.0), samples - REACH
+    if cycles is not None:
+        start = _moved(start, start + cycles * grid.period - last, grid)
     fit = math.floor((last - start) / grid.period + 1e-9)
     count = fit if cycles is None else min(fit, cycles)
     if count < 1:
         raise ValueError(f"no whole cycle: {samples} samples, {begin:.1f} before the window, {period:.1f} to a cycle")
     return Window(grid, start, count)
+
+
+def _moved(start: float, short: float, grid: Grid) -> float:
+    """The start, earlier by the few samples by which a record is too short for its last cycle's neighbours."""
+    if not 0 < short <= REACH + 1 or start - short < REACH - 1:
+        return start
+    return start - (math.ceil(short) if grid.exact else short)
 
 
 def on_grid(samples: Array, first: int, window: Window) -> Array:

@@ -182,9 +182,15 @@ def _loop(force: Array, acceleration: Array, step: float) -> Array:
 def _literal(
     force: Array, acceleration: Array, cycles: int, points: int, step: float, box_mass: float
 ) -> tuple[float, float]:
-    """W_exc and W_kin of eq. 25, J per cycle, means removed from the whole window only."""
+    """W_exc and W_kin of eq. 25, J per cycle, from one integration over the whole window.
+
+    An accelerometer's offset makes the velocity drift: the line through the means of the cycles is taken off. (The mean
+    acceleration would not do: it is the box's own change of speed too, and W_kin would vanish by construction.)
+    """
     velocity = _velocity(acceleration - acceleration.mean(), step)
-    velocity -= velocity.mean()
+    means, middle = velocity.reshape(cycles, points).mean(axis=1), np.arange(cycles) - (cycles - 1) / 2
+    slope = float(means @ middle) / float(middle @ middle) if cycles > 1 else 0.0
+    velocity -= float(means.mean()) + slope * (np.arange(velocity.size) / points - (cycles - 1 / points) / 2)
     W_exc = float(np.dot(force, velocity)) * step / cycles
     first, last = float(velocity[0]), float(velocity[(cycles - 1) * points])
     W_kin = 0.5 * box_mass * (last**2 - first**2) / (cycles - 1) if cycles > 1 else 0.0

@@ -1,12 +1,11 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from analysis.agreement import agreement
+from analysis.comparison import agreement
 from analysis.cycles import Window, on_grid, whole_cycles
 from analysis.energy import combined, window_energy
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
@@ -35,7 +34,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
     try:
         window = whole_cycles(
             run.samples, run.rate, setting.frequency,
-            filter_delay=force.filter_delay, settle=setting.settle_cycles, cycles=setting.record_cycles,
+            filter_delay=force.filter_delay, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
         )  # fmt: skip
     except ValueError as error:
         raise AnalysisError(f"{run.name}: {error}") from error
@@ -53,12 +52,14 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
             part.cycles, setting.frequency,
             time_constants=(force.time_constant, acceleration.time_constant), delay=delay, box_mass=setting.box_mass,
         ))  # fmt: skip
-    energy = combined(parts)
-    short = (f"{window.cycles}_of_{setting.record_cycles}_cycles",) if window.cycles < setting.record_cycles else ()
+    energy, scalars = combined(parts), record.scalars(run.name)
+    wanted = int(setting.record_cycles)
+    short = (f"{window.cycles}_of_{wanted}_cycles",) if window.cycles < wanted else ()
     return RunEnergy(
         run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
         u_noise=noise_of(energy, force, acceleration, round(window.cycles * window.grid.period)),
-        flags=(*flag_names(int(bits)), *short, *_limits(record.scalars(run.name))),
+        flags=(*flag_names(int(bits)), *short, *_limits(scalars)),
+        use=_use(scalars),
         ledger=_ledger(record, run, setting, window),
     )  # fmt: skip
 
@@ -97,12 +98,13 @@ def _channel(record: Record, name: str) -> ChannelFacts:
 
 
 def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Limits of the exciter that the run would have exceeded, as flags: "over_force_1.17"."""
-    return tuple(
-        f"over_{name.removeprefix(LIMITS)}_{value:.2f}"
-        for name, value in scalars.items()
-        if name.startswith(LIMITS) and math.isfinite(value) and value > 1
-    )
+    """Limits of the exciter that the run would have needed more of, as flags: "over_force"."""
+    return tuple(f"over_{name}" for name, share in _use(scalars).items() if share > 1)
+
+
+def _use(scalars: Mapping[str, float]) -> dict[str, float]:
+    """Shares of the exciter's limits, by the limit's name."""
+    return {name.removeprefix(LIMITS): share for name, share in scalars.items() if name.startswith(LIMITS)}
 
 
 def _ledger(record: Record, run: RunFacts, setting: Setting, window: Window) -> dict[str, float] | None:

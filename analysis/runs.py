@@ -1,7 +1,7 @@
 """What the analysis needs of a record, and what it makes of one run."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -115,7 +115,7 @@ class Setting:
     frequency: float
     acceleration_set: float
     settle_cycles: float
-    record_cycles: int
+    record_cycles: float
     box_mass: float
     gauge_mass: float
     moving_mass: float
@@ -145,7 +145,7 @@ class RunEnergy:
 
     flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
     from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
-    only); its `closure` is the largest relative error of the account.
+    only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
     """
 
     run: str
@@ -156,3 +156,4 @@ class RunEnergy:
     u_noise: float = 0.0
     flags: tuple[str, ...] = ()
     ledger: Mapping[str, float] | None = None
+    use: Mapping[str, float] = field(default_factory=dict)

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["html_text"]
 
+LONG = 40  # characters: longer cells may wrap
+
 
 def html_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
     """The report as a page without any outside reference: verdict first, then figures and tables."""
@@ -66,5 +68,6 @@ def _table(table: Table) -> str:
 
 def _cell(cell: Cell) -> str:
     if cell.value is None:
-        return f"<td>{escape(cell.text)}</td>"
+        wrap = " class='t'" if len(cell.text) > LONG else ""
+        return f"<td{wrap}>{escape(cell.text)}</td>"
     return f"<td class='n' data-v='{cell.value!r}'>{escape(cell.text)}</td>"

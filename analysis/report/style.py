@@ -13,7 +13,8 @@ p, ul { max-width: 46rem; margin: .5rem 0; }
 ul { padding-left: 1.2rem; }
 .lead { font-size: 1.1rem; }
 .note { color: var(--soft); font-size: .875rem; }
-.verdict { border: 1px solid var(--line); border-left: 6px solid; padding: .25rem 1rem .5rem; margin: 1.25rem 0; }
+.verdict { border: 1px solid var(--line); border-left: 6px solid; padding: .25rem 1rem .5rem; margin: 1.25rem 0;
+  max-width: 48rem; }
 .verdict.good { border-left-color: #0072b2; }
 .verdict.bad { border-left-color: #b3261e; }
 .verdict h2 { margin-top: .6rem; }
@@ -24,8 +25,9 @@ figure svg { display: block; width: 100%; height: auto; }
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { border-bottom-color: var(--soft); white-space: nowrap; vertical-align: bottom; }
-td { max-width: 26rem; overflow-wrap: break-word; }
-td.n { text-align: right; white-space: nowrap; }
+td { white-space: nowrap; }
+td.t { min-width: 16rem; max-width: 32rem; white-space: normal; overflow-wrap: break-word; }
+td.n { text-align: right; }
 tbody tr:hover { background: #f4f6f8; }
 th button { all: unset; cursor: pointer; font-weight: 600; }
 th button:focus-visible, .wide:focus-visible { outline: 2px solid #0072b2; outline-offset: 1px; }
@@ -35,7 +37,7 @@ code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
 @media (max-width: 40rem) { main { padding: .5rem .8rem 2rem; } th, td { padding: .2rem .4rem; } }
 @media print {
   body { font-size: 10pt; } main { max-width: none; padding: 0; } .wide { overflow: visible; }
-  figure { min-width: 0; } table { font-size: 7.5pt; } th { white-space: normal; } th, td { padding: 1pt 3pt; }
+  figure { min-width: 0; } table { font-size: 7.5pt; } th, td { white-space: normal; } th, td { padding: 1pt 3pt; }
   section { break-inside: auto; } tr, figure, .verdict { break-inside: avoid; } h2 { break-after: avoid; }
   thead { display: table-header-group; }
 }

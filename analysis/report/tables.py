@@ -33,12 +33,19 @@ def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
     return Cell("–") if value is None else Cell(f"{value * scale:.{digits}g}", value * scale)
 
 
+def fixed(value: float | None, places: int) -> Cell:
+    """A number to so many decimal places; a dash where it is not known."""
+    return Cell("–") if value is None else Cell(f"{value:.{places}f}", value)
+
+
 def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
     """value ± U, U to two significant digits and the value to the same place."""
     if value is None or U is None or U == 0:
         return number(value, 4, scale)
     value, U = value * scale, U * scale
     places = max(0, 1 - math.floor(math.log10(U)))
+    if places > 6:  # far below anything worth a row of zeros
+        return Cell(f"{value:.3g} ± {U:.2g}", value)
     return Cell(f"{value:.{places}f} ± {U:.{places}f}", value)
 
 
@@ -59,9 +66,9 @@ def conditions(report: Report) -> Table:
         grains = f"{row['material']} {1e3 * row['diameter']:g} mm" if row["bed"] not in ("empty", "dashpot") else ""
         rows.append((
             Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), number(row["fill"], 3, 100),
-            number(row["acceleration"]),
+            fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
-            with_U(row["offset"], row["U_offset"], 100), number(row["E_n"], 2), number(row["E_n_chain"], 2),
+            with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
             number(row["W_detect"], 2, 1e3), number(row["eta"]), number(row["M_eff"], 4),
             number(row["thd_box"], 2, 100), number(row["bound"], 3, 1e3),
         ))  # fmt: skip
@@ -121,10 +128,17 @@ def budget(report: Report) -> Table:
 
 def flags(report: Report) -> Table:
     """Flags and runs that were left out."""
-    rows = [(Cell(entry["flag"]), Cell(_some(entry["runs"]))) for entry in report["flags"]]
-    rows += [(Cell("left out"), Cell(f"{entry['run']}: {entry['why']}")) for entry in report["left_out"]]
-    note = "“over_…” flags say that the exciter would need more than it has (used / limit); they fail nothing here."
-    return Table("Flags", note, ("flag", "runs"), tuple(rows))
+    rows = [
+        (Cell(entry["flag"]), number(entry["worst"]), Cell(str(len(entry["runs"])), len(entry["runs"])),
+         Cell(_some(entry["runs"])))
+        for entry in report["flags"]
+    ]  # fmt: skip
+    rows += [(Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry["why"])) for entry in report["left_out"]]
+    note = (
+        "“over_…” says that the exciter would have to give more than it can (used over limit in the second column); it "
+        "fails nothing here."
+    )
+    return Table("Flags", note, ("flag", "used / limit", "number", "runs"), tuple(rows))
 
 
 def instruments(report: Report) -> Table:

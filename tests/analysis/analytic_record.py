@@ -115,9 +115,6 @@ def dashpot_energy(c: float, a0: float, frequency: float = FREQUENCY) -> float:
     return np.pi * c * w * (a0 / w**2) ** 2
 
 
-SAMPLES = 51 * 512
-
-
 @dataclass(frozen=True)
 class Bench:
     """What the synthetic sessions below are made of.
@@ -132,6 +129,7 @@ class Bench:
     noise: tuple[float, float] = (0.0, 0.0)
     level_error: float = 0.0
     repeats: int = 4
+    samples: int = 51 * 512
 
 
 def session(
@@ -139,7 +137,7 @@ def session(
 ) -> AnalyticRecord:
     """A session whose bed is a dashpot of loss(condition, repeat) N s/m beside rigid mass, read by a bench."""
     runs, signals, ledgers = [], {}, {}
-    t = drive_time(SAMPLES)
+    t = drive_time(bench.samples)
     for entry in conditions:
         tau = bench.channels["acceleration"].time_constant
         lead = bench.turn + (0.0 if tau is None else np.arctan(1 / (OMEGA * tau)))

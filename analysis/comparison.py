@@ -184,13 +184,20 @@ def _closure(results: Sequence[Result]) -> float | None:
 
 
 def _flags(results: Sequence[Result]) -> list[dict[str, Any]]:
-    """Every flag with the runs that carry it, in the order of first appearance."""
-    runs: dict[str, list[str]] = defaultdict(list)
+    """Every flag with the runs that carry it, in the order of first appearance, and the most used of a limit."""
+    runs: dict[str, list[RunEnergy]] = defaultdict(list)
     for result in results:
         for run in result.runs:
             for flag in run.flags:
-                runs[flag].append(run.run)
-    return [{"flag": flag, "runs": names} for flag, names in runs.items()]
+                runs[flag].append(run)
+    return [
+        {
+            "flag": flag,
+            "worst": max((run.use[flag[5:]] for run in found if flag[5:] in run.use), default=None),
+            "runs": [run.run for run in found],
+        }
+        for flag, found in runs.items()
+    ]
 
 
 def _instrument(channel: ChannelFacts) -> dict[str, Any]:

@@ -1,0 +1,151 @@
+"""GUM: Welch-Satterthwaite, coverage factors, the budget's lines, coverage of the stated intervals."""
+
+import math
+
+import numpy as np
+import pytest
+from analytic_record import (
+    FREQUENCY,
+    IDEAL,
+    NOMINAL,
+    OMEGA,
+    Bench,
+    condition,
+    dashpot_energy,
+    drive_time,
+    motion,
+    prediction_for,
+    session,
+)
+from scipy import stats
+
+from analysis import dissipated_energy, read_session
+from analysis.estimate import Estimate, coverage_factor, effective_dof
+from analysis.uncertainty import (
+    angle_uncertainty,
+    certificate_lines,
+    combine,
+    noise_of,
+    scatter_line,
+)
+
+
+def test_gauge_block_of_gum_annex_h1():
+    """GUM H.1: parts of 25 nm (nu 18), 9.7 nm (25.6), 2.9 nm (50) and 16.6 nm (2) make u_c = 32 nm with nu = 16.7."""
+    parts = [(25.0, 18.0), (9.7, 25.6), (2.9, 50.0), (16.6, 2.0)]
+    assert combine(0, parts).u == pytest.approx(32, abs=0.5)
+    assert effective_dof(parts) == pytest.approx(16.7, abs=0.2)
+    assert coverage_factor(16, 0.99) == pytest.approx(2.92, abs=0.005)
+
+
+def test_equal_parts_add_their_degrees_of_freedom():
+    assert effective_dof([(1.0, 5.0), (1.0, 5.0)]) == pytest.approx(10.0)
+    assert math.isinf(effective_dof([(1.0, math.inf)]))
+    assert math.isinf(effective_dof([]))
+
+
+@pytest.mark.parametrize("nu", [1.0, 3.0, 7.5, 50.0])
+def test_coverage_factor_is_student_s(nu):
+    assert coverage_factor(nu) == pytest.approx(stats.t.ppf(0.975, nu))
+    assert coverage_factor(math.inf) == pytest.approx(stats.norm.ppf(0.975))
+
+
+def test_an_estimate_without_uncertainty_has_none_expanded():
+    assert Estimate(1.0, 0.0, math.inf).U == 0.0
+    assert pytest.approx(6.36, abs=0.01) == Estimate(1.0, 2.0, 3.0).U
+
+
+def test_scatter_is_the_standard_deviation_of_the_mean():
+    values = [1.0, 2.0, 4.0, 5.0]
+    (line,) = scatter_line(values)
+    assert line.part == pytest.approx(np.std(values, ddof=1) / 2)
+    assert line.nu == 3
+    assert scatter_line([1.0]) == ()
+
+
+def test_certificate_lines_are_the_derivatives_of_the_energy():
+    """Each line's c against a finite change of that instrument error, through the whole analysis of a signal."""
+    a0, mass, c = 5.0, 38.0, 400.0
+    t = drive_time(8 * 512, delay=0)
+    a, v = motion(t, a0)
+    force = mass * a + c * v
+    tau = {name: NOMINAL[name].time_constant for name in NOMINAL}
+    lead = {name: math.atan(1 / (OMEGA * tau[name])) for name in tau}
+
+    def energy(f_scale=1.0, a_scale=1.0, f_log=0.0, a_log=0.0):
+        """Energy read with certified poles while the actual ones are tau exp(log)."""
+        turned = []
+        for name, log in (("force", f_log), ("acceleration", a_log)):
+            actual = math.atan(1 / (OMEGA * tau[name] * math.exp(log)))
+            shift = t + actual / OMEGA
+            moved_a, moved_v = motion(shift, a0)
+            turned.append(mass * moved_a + c * moved_v if name == "force" else moved_a)
+        return dissipated_energy(
+            f_scale * turned[0], a_scale * turned[1], 10240.0, FREQUENCY,
+            time_constants=(tau["force"], tau["acceleration"]),
+        )  # fmt: skip
+
+    assert force.shape == a.shape
+    assert lead["acceleration"] > lead["force"]
+    base = energy()
+    lines = {
+        line.source: line
+        for line in certificate_lines(NOMINAL["force"], NOMINAL["acceleration"], FREQUENCY, base.W, base.reactive)
+    }
+    h = 1e-3
+    found = {
+        "force sensitivity": (energy(f_scale=1 + h).W - base.W) / h,
+        "acceleration sensitivity": (energy(a_scale=1 + h).W - base.W) / h,
+        "force pole (ln tau)": (energy(f_log=h).W - base.W) / h,
+        "acceleration pole (ln tau)": (energy(a_log=h).W - base.W) / h,
+    }
+    for source, slope in found.items():
+        # Second-order terms: h; the pole's change of amplitude, left out of the line: tan(phase) of it.
+        assert lines[source].c == pytest.approx(slope, rel=3e-2, abs=1e-3 * abs(base.W))
+    assert lines["acceleration gain"].u == pytest.approx(0.003 / math.sqrt(3))
+
+
+def test_ideal_instruments_have_no_lines_and_a_resolution_only():
+    assert certificate_lines(IDEAL["force"], IDEAL["acceleration"], 20.0, 1.0, 1.0) == ()
+    assert pytest.approx(1e-5, rel=0.03) == angle_uncertainty(IDEAL["force"], IDEAL["acceleration"], 20.0).U
+
+
+def test_noise_of_the_energy_is_what_noise_does_to_it():
+    """Standard deviation over 400 noisy copies against the formula: its own relative error is 1/sqrt(800) = 3.5 %."""
+    rng = np.random.default_rng(3)
+    t = drive_time(10 * 512, delay=0)
+    a, v = motion(t, 5.0)
+    force = 38 * a + 400 * v
+    W = [
+        dissipated_energy(
+            force + 0.02 * rng.standard_normal(t.size), a + 5e-4 * rng.standard_normal(t.size), 10240.0, 20.0
+        ).W_phasor
+        for _ in range(400)
+    ]
+    expected = noise_of(dissipated_energy(force, a, 10240.0, 20.0), NOMINAL["force"], NOMINAL["acceleration"], t.size)
+    assert np.std(W) == pytest.approx(expected, rel=4 * 0.035)
+
+
+def test_stated_intervals_cover():
+    """300 sessions, instruments drawn from their certificates, beds that scatter: W_exp +- U and ratio +- U_ratio hold
+    the truth in 95 % of them, within the 99.9 % binomial band (.90 to .985)."""
+    rng = np.random.default_rng(11)
+    table = [condition(f"c{i}", acceleration_set=a, record_cycles=4) for i, a in enumerate((2.0, 4.0))]
+    mean_c, spread = 200.0, 0.02
+    prediction = prediction_for(table, lambda _entry, a: dashpot_energy(mean_c, a))
+    hit = {"W_exp": 0, "ratio": 0}
+    count = 300
+    for _ in range(count):
+        z = rng.standard_normal(3)
+        flat = rng.uniform(-1, 1, 2) * 0.003
+        gains = (1 + 0.005 * z[0]) * (1 + flat[0]), (1 + 0.005 * z[1]) * (1 + flat[1])
+        turn = math.atan(1 / (OMEGA * 1.6 * math.exp(0.1 * z[2]))) - math.atan(1 / (OMEGA * 1.6))
+        scatter = iter(rng.normal(1.0, spread, 8))
+        bench = Bench(channels=dict(NOMINAL), gains=gains, turn=turn, noise=(0.02, 5e-4), samples=16 * 512)
+        report = read_session(session(table, lambda *_, c=scatter: mean_c * next(c), bench, rng, prediction=prediction))
+        row = report["conditions"][1]
+        hit["W_exp"] += abs(row["W_exp"] - dashpot_energy(mean_c, 4.0)) <= row["U_W_exp"]
+        hit["ratio"] += abs(report["agreement"]["ratio"] - 1) <= report["agreement"]["U_ratio"]
+    low, high = stats.binom.ppf([0.0005, 0.9995], count, 0.95)
+    assert low <= hit["W_exp"] <= high
+    assert low <= hit["ratio"] <= high
