@@ -48,6 +48,8 @@ def _changed(root: Node, option: str, change: str) -> Node:
     if not equals or not all(names):
         raise InputError(Mistake(place, "", quote(change), "path=value, such as scene.bed=empty"))
     value = read_value(text, place)
+    if names[0] == "vary" and len(names) > 1:
+        option, names = "--vary", names[1:]
     if option == "--vary":
         return _varied(root, ".".join(names), value)
     return _put(_unvaried(root, ".".join(names)), names, value)
@@ -81,13 +83,12 @@ def _unvaried(root: Node, path: str) -> Node:
 
 def _without(node: Node, names: Sequence[str]) -> Node:
     name, *rest = names
-    assert isinstance(node.value, dict)
-    entries = dict(node.value)
-    if rest:
-        entries[name] = _without(entries[name], rest)
-        emptied = entries[name].value == {}
-    if not rest or emptied:
+    entries = dict(node.value) if isinstance(node.value, dict) else {}
+    shrunk = _without(entries[name], rest) if rest else None
+    if shrunk is None or shrunk.value == {}:
         del entries[name]
+    else:
+        entries[name] = shrunk
     return Node(node.where, entries, key_places=node.key_places)
 
 

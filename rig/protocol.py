@@ -66,7 +66,7 @@ def read_protocol(
     else:
         path = Path(source)
         text, name = read_file(path), str(path)
-    notes = Notes()
+    notes = Notes(known=tuple(paths_of(Protocol)))
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
     folder = path.parent if path is not None and rig is None else Path()
     return LoadedProtocol(_read(root, folder, notes), text, path)

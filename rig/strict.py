@@ -25,11 +25,13 @@ class Unreadable(Exception):
 
 @dataclass
 class Notes:
-    """What a reading leaves beside its result: the mistakes, the paths whose value failed, the place of each path."""
+    """What a reading leaves beside its result: the mistakes, the paths whose value failed, the place of each path.
+    `known` are all paths of the whole, so that a key in the wrong place can be sent to the right one."""
 
     mistakes: list[Mistake] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
     places: dict[str, str] = field(default_factory=dict)
+    known: tuple[str, ...] = ()
 
     def reject(self, where: str, path: str, found: str, allowed: str, hint: str = "") -> Unreadable:
         """Note a mistake; the caller raises what this returns where it cannot go on."""
@@ -95,7 +97,9 @@ def entries_of(node: Node, path: str, allowed: Collection[str], notes: Notes) ->
             good[key] = entry
         else:
             full = f"{path}.{key}" if path else key
-            notes.reject(node.key_places[key], full, f"the key {quote(key)}", ", ".join(allowed), nearest(key, allowed))
+            homes = [f"did you mean {home}?" for home in notes.known if home.rpartition(".")[2] == key]
+            hint = nearest(key, allowed) or next(iter(homes), "")
+            notes.reject(node.key_places[key], full, f"the key {quote(key)}", ", ".join(allowed), hint)
     return good
 
 

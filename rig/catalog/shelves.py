@@ -63,19 +63,20 @@ def exciter(name: str) -> Exciter:
     return Exciter(name=name, **entry_of("exciter", name).numbers())
 
 
-def transducer(name: str, quantity: Literal["force", "acceleration"]) -> TransducerSpec:
-    """The transducer of that name, which must measure that quantity; "ideal" is one without any error."""
+def transducer(name: str, quantity: Literal["force", "acceleration"] | None = None) -> TransducerSpec:
+    """A transducer by its catalog name, which must measure `quantity` where that is given; "ideal", one without any
+    error, needs it."""
     from daq.channel import TransducerSpec, ideal_transducer
 
-    if name == IDEAL:
+    if name == IDEAL and quantity is not None:
         return ideal_transducer(quantity)
     entry = entry_of("transducer", name)
     measures = entry.words["quantity"]
-    if measures != quantity:
-        fit = ", ".join([IDEAL, *sensors_for(quantity)])
+    if quantity not in (None, measures):
+        fit = ", ".join([IDEAL, *sensors_for(str(quantity))])
         raise InputError(Mistake("", "", f"the transducer {quote(name)}, which measures {measures}", fit))
-    unit = _SENSOR_UNITS[quantity]
-    return TransducerSpec(name, quantity, unit, statuses=entry.statuses(), **entry.numbers())
+    kind: Any = measures
+    return TransducerSpec(name, kind, _SENSOR_UNITS[measures], statuses=entry.statuses(), **entry.numbers())
 
 
 def sensors_for(quantity: str) -> list[str]:

@@ -97,6 +97,7 @@ def test_transducers_in_si() -> None:
     assert transducer("dc-accelerometer", "acceleration").time_constant is None
     assert {transducer(f"288D01-{half}", half).model for half in ("force", "acceleration")}  # type: ignore[arg-type]
     assert gauge.statuses["sensitivity"] == "recalled"
+    assert transducer("208C03") == gauge
     assert transducer("ideal", "force").calibration_U == 0
 
 

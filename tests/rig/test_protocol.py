@@ -140,6 +140,7 @@ def test_vary_replaces_in_place_or_adds_at_the_end() -> None:
     zipped = f"{LEAST}vary: {{zip: {{scene.grains.diameter: [2 mm, 4 mm], drive.acceleration: [3, 5]}}}}\n"
     changed = load_protocol(zipped, varies=["drive.acceleration=[1, 2]"])
     assert changed.vary[0].rows == ((0.002, 1.0), (0.004, 2.0))
+    assert load_protocol(zipped, sets=["vary.drive.acceleration=[1, 2]"]) == changed
     assert load_protocol(zipped, sets=["drive.acceleration=1"]).vary[0].paths == ("scene.grains.diameter",)
 
 

@@ -34,6 +34,7 @@ def line(text: str, **changes: list[str]) -> str:
     ("text", "parts"),
     [
         ("sceen: {}", ["protocol:3: sceen: found the key 'sceen'", "did you mean 'scene'?"]),
+        ("scene: {frequency: 5 Hz}", ["scene.frequency: found the key", "did you mean drive.frequency?"]),
         ("scene: {grains: {fil: 0.5}}", ["scene.grains.fil: found the key", "did you mean 'fill'?"]),
         ("scene: {cavity: {length: '150'}}", ["scene.cavity.length: found '150'", "units m, mm, cm, um"]),
         ("scene: {cavity: {length: 150}}", ["150 is 150 m; did you mean 150 mm?", "at most 20 m"]),
