@@ -49,6 +49,7 @@ def _figure(plot: "Plot") -> str:
     drawing = plot.svg[plot.svg.index("<svg") :]
     tag, rest = drawing.split(">", 1)
     tag = re.sub(r' (?:width|height)="[^"]*"', "", tag)  # the page sets the size, from the viewBox
+    rest = re.sub(r'<g id="[^"]*">', "<g>", rest)  # nothing refers to groups, and two figures number them alike
     drawing = f'{tag} role="img" aria-label="{escape(plot.alt)}">{rest}'
     return (
         f"<section><h2>{escape(plot.title)}</h2><div class='wide' tabindex='0'><figure>{drawing}</figure></div>"

@@ -15,14 +15,14 @@ __all__ = ["markdown_text"]
 def markdown_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
     """The report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
     name = report["protocol"] or "session"
-    parts = [f"# {_plain(name)}: agreement of measured and predicted dissipation", wording.tested(report)]
+    parts = [f"# {_plain(name)}: agreement of measured and predicted dissipation", _plain(wording.tested(report))]
     if report["question"]:
         parts.append(f"Question: {_plain(report['question'])}")
     parts += [
-        wording.waveform(report),
+        _plain(wording.waveform(report)),
         f"## Verdict: {wording.verdict_line(report)}",
         "\n".join(f"- {_plain(reason)}" for reason in wording.reasons(report)),
-        wording.headline(report),
+        _plain(wording.headline(report)),
         *(f"![{plot.alt}](figures/{plot.name}.svg)" for plot in drawn),
     ]
     parts += [_table(table) for table in all_tables(report)]
@@ -32,7 +32,7 @@ def markdown_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
 
 def _table(table: Table) -> str:
     lines = [
-        f"## {table.title}\n\n{table.note}\n",
+        f"## {table.title}\n\n{_plain(table.note)}\n",
         "| " + " | ".join(table.head) + " |",
         "|" + "---|" * len(table.head),
         *("| " + " | ".join(_plain(cell.text) for cell in row) + " |" for row in table.rows),

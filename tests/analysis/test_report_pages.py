@@ -1,0 +1,197 @@
+"""The written report: equal bytes, one set of numbers, safe text, and what its sentences say."""
+
+import csv
+import io
+import json
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from analytic_record import NOMINAL, Bench, condition, dashpot_energy, prediction_for, session
+
+from analysis import read_session, write_report
+from analysis.figures import plots, swept
+from analysis.report import wording
+from analysis.report.html import html_text
+from analysis.report.markdown import markdown_text
+from analysis.report.tables import all_tables, with_U
+
+
+@pytest.fixture(scope="module")
+def report():
+    table = [
+        condition(
+            f"c{i}{j}", fill=fill, bed_mass=44.8 * fill, carried=fill == 1, acceleration_set=a, settle_cycles=1,
+            record_cycles=4,
+        )
+        for i, fill in enumerate((0.0, 0.5, 0.9, 1.0))
+        for j, a in enumerate((2.0, 3.0, 4.0, 5.0))
+    ]  # fmt: skip
+
+    def bed(entry):
+        return 300 * entry["fill"] * (entry["fill"] < 1)
+
+    documents = {
+        "prediction": prediction_for(table, lambda entry, a: dashpot_energy(bed(entry), a), 1e-3),
+        "protocol": {"name": "demo", "question": "Is 5 < 6 & true?"},
+        "rig": {"values": [{"path": "mu", "value": 0.45, "unit": "", "status": "assumed", "source": "<b>us</b> | me"}]},
+    }
+    bench = Bench(channels=dict(NOMINAL), noise=(0.02, 5e-4), level_error=0.003, samples=6 * 512)
+    return read_session(
+        session(table, lambda entry, _r: 20 + bed(entry), bench, np.random.default_rng(4), **documents)
+    )
+
+
+class Page(HTMLParser):
+    """Collects tags, rows and anything that would be fetched."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.fetched, self.open = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        links = [value for name, value in attrs if name in ("src", "href", "xlink:href", "data")]
+        self.fetched += [link for link in links if not link.startswith("#")]
+        if tag not in ("meta", "br", "use", "path"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag in self.open:
+            while self.open.pop() != tag:
+                pass
+
+
+def test_equal_reports_give_equal_bytes(report, tmp_path):
+    first, second = write_report(report, tmp_path / "a"), write_report(json.loads(json.dumps(report)), tmp_path / "b")
+    names = [path.relative_to(tmp_path / "a").as_posix() for path in first]
+    assert names == [
+        "report.json", "report.csv", "report.md", "report.html", "figures/energy.svg", "figures/offset.svg",
+    ]  # fmt: skip
+    for one, other in zip(first, second, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+
+
+def test_nothing_but_the_report_is_in_the_files(report, tmp_path):
+    for path in write_report(report, tmp_path):
+        text = path.read_text(encoding="utf-8")
+        assert str(tmp_path) not in text
+        assert not re.search(r"20\d\d-\d\d-\d\d", text)
+
+
+def test_json_is_read_back_exactly(report, tmp_path):
+    path = write_report(report, tmp_path, figures=False)[0]
+    assert json.loads(path.read_text(encoding="utf-8")) == report
+
+
+def test_csv_has_a_line_per_condition_with_the_same_numbers(report, tmp_path):
+    path = write_report(report, tmp_path, figures=False)[1]
+    rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+    assert len(rows) == len(report["conditions"])
+    for row, found in zip(rows, report["conditions"], strict=True):
+        assert float(row["W_exp"]) == found["W_exp"]
+        assert (row["offset"] == "") == (found["offset"] is None)
+        assert int(row["runs"]) == 4
+
+
+def test_page_is_self_contained_and_well_formed(report):
+    drawn = plots(report)
+    page = Page(html_text(report, drawn))
+    assert page.fetched == []
+    assert page.open == []
+    assert page.tags.count("svg") == 2
+    ids = re.findall(r'\sid="([^"]+)"', html_text(report, drawn))
+    assert len(ids) == len(set(ids))
+
+
+def test_text_of_a_session_cannot_become_markup(report):
+    evil = {
+        **report,
+        "protocol": "<script>alert(1)</script>",
+        "question": "</p><img src=x onerror=alert(1)>",
+        "conditions": [{**report["conditions"][0], "id": "<i>c</i>", "bed": "'\"><b>"}],
+    }
+    text = html_text(evil, plots(evil))
+    assert text.count("<script>") == 1
+    assert "<img" not in text
+    assert "<i>" not in text
+    assert "<b>" not in text
+    marked = markdown_text(evil)
+    assert not re.search(r"(?<!\\)<", marked)
+
+
+def test_markdown_tables_keep_their_columns(report):
+    lines = [line for line in markdown_text(report).splitlines() if line.startswith("|")]
+    for table in all_tables(report):
+        head = "| " + " | ".join(table.head) + " |"
+        start = lines.index(head)
+        for line in lines[start : start + 2 + len(table.rows)]:
+            assert len(re.findall(r"(?<!\\)\|", line)) == len(table.head) + 1
+
+
+def test_first_sentence_and_wording.headline(report):
+    assert wording.tested(report) == (
+        "This run checks the measurement chain, not the damper model: the bed layers and the prediction W_T share one "
+        "mechanism."
+    )
+    assert "ideal waveform is assumed" in wording.waveform(report)
+    assert "synthetic" in wording.waveform(report)
+    found = report["agreement"]
+    assert wording.headline(report).startswith("W_exp exceeds W_T by")
+    percent = float(re.search(r"by ([\d.]+) % ± ([\d.]+) %", wording.headline(report)).group(1))
+    assert percent == pytest.approx(100 * (found["ratio"] - 1), abs=100 * found["U_ratio"] / 10)
+    less = {**report, "agreement": {**found, "ratio": 0.9}}
+    assert "falls short of" in wording.headline(less)
+    model = {**report, "tests": "model", "synthetic": False, "waveform": "measured"}
+    assert "tests the damper model" in wording.tested(model)
+    assert wording.waveform(model) == "The signals were measured."
+
+
+@pytest.mark.parametrize(
+    ("value", "U", "shown"),
+    [
+        (0.123456, 0.0123, "0.123 ± 0.012"), (12.345, 3.21, "12.3 ± 3.2"), (1234.5, 120.0, "1234 ± 120"),
+        (-0.5, 0.25, "-0.50 ± 0.25"), (0.0, 1e-17, "0 ± 1e-17"), (1.23456, 0.0, "1.235"), (None, 1.0, "–"),
+    ],
+)  # fmt: skip
+def test_value_and_uncertainty_share_their_last_place(value, U, shown):
+    assert with_U(value, U).text == shown
+
+
+def test_figures_are_drawings_with_words(report):
+    for plot in plots(report):
+        root = ET.fromstring(plot.svg)
+        assert root.tag.endswith("svg")
+        assert len(plot.alt) > 60
+    texts = " ".join(ET.fromstring(plots(report)[0].svg).itertext())
+    for word in ("fill, %", "energy, mJ per cycle", "W_T predicted", "5 m/s²"):
+        assert word in texts
+
+
+@pytest.mark.parametrize("name", ["fill", "density", "diameter", "acceleration_set"])
+def test_the_axis_is_what_varies(report, name):
+    base = report["conditions"][0]
+    rows = [{**base, name: value} for value in (1.0, 2.0)]
+    assert swept(rows) == name
+    assert plots({**report, "conditions": rows})
+
+
+def test_beds_compared_at_several_levels_are_told_apart(report):
+    rows = [
+        {**report["conditions"][0], "fill": 0.85, "bed": bed, "acceleration_set": a}
+        for bed in ("empty", "locked", "dashpot")
+        for a in (2.0, 3.0)
+    ]
+    texts = " ".join(ET.fromstring(plots({**report, "conditions": rows})[0].svg).itertext())
+    for bed in ("empty", "locked", "dashpot"):
+        assert f", {bed}" in texts
+
+
+def test_a_report_without_conditions_is_still_a_report(report, tmp_path):
+    bare = {**report, "conditions": [], "nulls": [], "agreement": {**report["agreement"], "ratio": None}}
+    paths = write_report(bare, tmp_path)
+    assert len(paths) == 4
+    assert "no predicted energy" in paths[3].read_text(encoding="utf-8")
