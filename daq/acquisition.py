@@ -11,6 +11,9 @@ from daq.source import AnalogSource
 
 __all__ = ["Acquisition", "Emulated"]
 
+LARGEST_CLOCK_ERROR = 1e-3
+"""A source runs at the actual rate, the front end states the nominal one: they differ by the clock's error."""
+
 
 @runtime_checkable
 class Acquisition(Protocol):
@@ -38,7 +41,7 @@ class Emulated:
     def __init__(self, source: AnalogSource, frontend: FrontEnd) -> None:
         if source.names != frontend.names:
             raise ValueError(f"the source has the channels {source.names}, the front end {frontend.names}")
-        if abs(source.rate - OVERSAMPLING * frontend.rate) > 1e-9 * source.rate:
+        if abs(source.rate - OVERSAMPLING * frontend.rate) > LARGEST_CLOCK_ERROR * source.rate:
             raise ValueError(f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz")
         self._source = source
         self._frontend = frontend

@@ -68,12 +68,18 @@ class Stand:
         self._last_momentum = 0.0
         self._box: BoxMeans | None = None
         self._waiting = np.zeros((2, 0))
+        self._latest = np.zeros(0)
         self._rows: list[Array] = []
 
     @property
     def bed_mass(self) -> float:
         """Mass of this filling's grains, kg."""
         return self._bed.mass
+
+    @property
+    def latest_force(self) -> Array:
+        """Gauge force (N) over the latest chunk of whole cycles."""
+        return self._latest
 
     def read(self, n: int) -> Array:
         """Next n interval means, shape (2, n)."""
@@ -104,6 +110,7 @@ class Stand:
         self._last_momentum = float(reaction.momentum[-1])
         at_start = self._cycles == 0
         self._cycles += CHUNK_CYCLES
+        self._latest = out[0]
         return out[:, 1:] if at_start else out
 
     def _box_means(self, edges: Edges) -> BoxMeans:

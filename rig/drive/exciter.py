@@ -29,7 +29,7 @@ class Demand:
 
     def scalars(self) -> dict[str, float]:
         """By the names of the session file."""
-        return {f"exciter_{name}": value for name, value in asdict(self).items()}
+        return {f"use_{name}": value for name, value in asdict(self).items()}
 
 
 def demand(exciter: Exciter, force: Array, rate: float, motion: Waveform, band: float) -> Demand:

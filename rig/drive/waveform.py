@@ -60,20 +60,22 @@ class Waveform:
         return self.length_unit * position, self.velocity_unit * velocity
 
 
-def waveform(drive: Drive, level_error: float, third_harmonic: float, rng: np.random.Generator | None) -> Waveform:
-    """The motion that a servo reaches for a drive setting.
+def waveform(
+    drive: Drive, level_error: float, third_harmonic: float, rng: np.random.Generator | None, clock: float = 1.0
+) -> Waveform:
+    """The motion that a servo reaches for a drive setting; the generator's frequency is off by the factor `clock`.
 
     With a generator the level is off by a normal error of relative standard deviation `level_error` and carries
     a third harmonic of relative amplitude `third_harmonic` at a random phase (both assumed, rig file); without
     one the waveform is exact.
     """
     if rng is None:
-        return Waveform(drive.frequency, drive.acceleration)
+        return Waveform(drive.frequency * clock, drive.acceleration)
     level = 1.0 + level_error * rng.standard_normal()
     angle = rng.uniform(0.0, 2.0 * np.pi)
     third = third_harmonic * level
     return Waveform(
-        drive.frequency,
+        drive.frequency * clock,
         drive.acceleration,
         (level, 0.0, third * float(np.cos(angle))),
         (0.0, 0.0, third * float(np.sin(angle))),

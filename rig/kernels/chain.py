@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 
 NEVER = np.inf
+AT_REST = 1e-12
+"""Grains that close more slowly than this share of the first velocity stay together: an inelastic collapse ends."""
 
 
 @njit(cache=True, nogil=True)
@@ -16,16 +18,16 @@ def rebound(grains, restitution, restitution_wall):
     v = -np.ones(grains)
     while True:
         soonest, partner = NEVER, -1
-        if v[0] < 0.0:
+        if v[0] < -AT_REST:
             soonest, partner = -x[0] / v[0], 0
         for k in range(1, grains):
             closing = v[k - 1] - v[k]
-            if closing > 0.0:
+            if closing > AT_REST:
                 wait = (x[k] - x[k - 1]) / closing
                 if wait < soonest:
                     soonest, partner = wait, k
         if partner < 0:
-            return v.mean()
+            return max(v.mean(), 0.0)
         soonest = max(soonest, 0.0)
         for k in range(grains):
             x[k] += v[k] * soonest

@@ -50,6 +50,6 @@ def row_restitution(grains: int, restitution: float, restitution_wall: float) ->
     """
     if grains <= 1:
         return restitution_wall
-    if grains * (1.0 - restitution) >= COLLAPSE:
+    if grains * (1.0 - restitution) >= COLLAPSE * (1.0 - 1e-12):
         return 0.0
     return float(rebound(grains, restitution, restitution_wall))

@@ -1,0 +1,126 @@
+"""From a protocol to the list of runs: order, lengths, predictions and the facts that a session states."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from daq.channel import AnalyzerSpec
+from daq.seeds import stream
+from rig.catalog.entries import Rig
+from rig.model import NUMERICAL_ERROR, Prediction, curve, predict
+from rig.scene import Condition, Protocol
+
+BLOCK = 16384
+"""Most samples per channel in one block."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: a condition, its repeat (from 1) and its place in the randomised order of execution (from 1)."""
+
+    name: str
+    condition: Condition
+    repeat: int
+    order: int
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """A run's record: output rate in Hz, samples per channel before and in all, and the sizes of its blocks."""
+
+    rate: float
+    settle: int
+    samples: int
+    blocks: tuple[int, ...]
+
+
+def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]:
+    """Every condition x repeat, named in the order written; the order of execution is drawn from the seed."""
+    count = len(conditions) * protocol.repeats.n
+    order = stream(protocol.seed, "order").permutation(count) + 1
+    pairs = [(condition, repeat) for condition in conditions for repeat in range(1, protocol.repeats.n + 1)]
+    return tuple(
+        Run(f"run_{number:04d}", condition, repeat, int(order[number - 1]))
+        for number, (condition, repeat) in enumerate(pairs, start=1)
+    )
+
+
+def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -> Lengths:
+    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle that were asked for."""
+    acquire, drive = condition.acquire, condition.drive
+    rate = analyzer.rate_for(drive.frequency, acquire.samples_per_cycle)
+    per_cycle = rate / drive.frequency
+    settle = math.floor(acquire.settle * per_cycle + filter_delay)
+    samples = math.ceil((acquire.settle + acquire.record) * per_cycle + filter_delay) + 1
+    return Lengths(rate, settle, samples, (*_pieces(settle), *_pieces(samples - settle)))
+
+
+def _pieces(samples: int) -> list[int]:
+    return [min(BLOCK, samples - start) for start in range(0, samples, BLOCK)]
+
+
+def predictions(
+    conditions: Iterable[Condition], rig: Rig, workers: int
+) -> dict[str, tuple[Prediction, dict[str, list[float]]]]:
+    """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one."""
+    wanted = tuple(conditions)
+    with ThreadPoolExecutor(workers) as pool:
+        found = pool.map(lambda condition: (predict(condition, rig), curve(condition, rig)), wanted)
+        return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
+
+
+def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]) -> dict[str, Any]:
+    """The predictions as plain numbers for the session: another model's numbers may stand in their place."""
+    return {
+        "conditions": {
+            name: {
+                **table,
+                "u_rel": NUMERICAL_ERROR,
+                "W_T_paper": point.W_T_paper,
+                "bound": point.bound,
+                "period": point.period,
+                "periodic_share": point.periodic_share,
+            }
+            for name, (point, table) in found.items()
+        }
+    }
+
+
+def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
+    """What identifies a condition in reports and `rig model`: scene keys, SI."""
+    scene, drive = condition.scene, condition.drive
+    return {
+        "id": condition.id,
+        "material": scene.grains.material,
+        "density": scene.grains.density,
+        "diameter": scene.grains.diameter,
+        "fill": scene.grains.fill,
+        "bed": scene.bed,
+        "axis": scene.axis,
+        "drive": drive.mode,
+        "frequency": drive.frequency,
+        "bed_mass": point.bed_mass,
+        "box_mass": point.box_mass,
+    }
+
+
+def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: float) -> dict[str, Any]:
+    """What the laboratory knows of a condition beforehand; goes into the session."""
+    return {
+        **scene_facts(condition, point),
+        "carried": point.carried,
+        "acceleration_set": condition.drive.acceleration,
+        "settle_cycles": condition.acquire.settle,
+        "record_cycles": condition.acquire.record,
+        "samples_per_cycle": rate / condition.drive.frequency,
+        "gauge_mass": rig.gauge_mass,
+        "moving_mass": rig.exciter.moving_mass,
+        "losses": list(condition.scene.losses),
+    }
+
+
+def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:
+    """One line of `rig model`."""
+    return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)}

@@ -1,0 +1,54 @@
+"""Where a session comes from: versions, seeds, platform, command line."""
+
+import hashlib
+import platform
+import subprocess
+import sys
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "h5py")
+
+
+def now() -> str:
+    """The time, ISO 8601 with zone."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def provenance(protocol_text: str, seed: int, rig_time: float) -> dict[str, Any]:
+    """What a session states about its making; none of it goes into the report, so that equal runs give equal bytes."""
+    return {
+        "created": now(),
+        "protocol_sha256": hashlib.sha256(protocol_text.encode()).hexdigest(),
+        "seed": seed,
+        "seeds": "numpy SFC64 over SeedSequence(seed, SHA-256 of the stream's words); see docs/conventions.md",
+        "rig_time_s": rig_time,
+        "command": " ".join(sys.argv),
+        "platform": platform.platform(),
+        "python": platform.python_version(),
+        "packages": {name: _version(name) for name in PACKAGES},
+        "git_commit": _commit(),
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _commit() -> str:
+    """Commit of the source tree that runs, "" where it is not a checkout or git is not there."""
+    tree = Path(__file__).resolve().parent.parent
+    if not (tree / ".git").exists():
+        return ""
+    try:
+        found = subprocess.run(
+            ("git", "-C", str(tree), "rev-parse", "HEAD"), capture_output=True, text=True, timeout=5, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return found.stdout.strip()

@@ -1,0 +1,17 @@
+"""Scenes and a rig for the laws; every number is a catalog default unless a test says otherwise."""
+
+import pytest
+
+from rig.catalog import load_rig
+from rig.catalog.entries import Rig
+from rig.scene import Grains, Scene
+
+
+@pytest.fixture(scope="session")
+def rig() -> Rig:
+    return load_rig("default")
+
+
+@pytest.fixture
+def steel() -> Scene:
+    return Scene(grains=Grains(density=7900.0))
