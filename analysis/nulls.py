@@ -92,7 +92,8 @@ def _test(
     certified = angle_uncertainty(channels["force"], channels["acceleration"], frequency)
     dphi = combine(alpha.value * scale, [(alpha.u * scale, alpha.nu), (certified.u, certified.nu)])
     holds = abs(dphi.value) <= dphi.U
-    why = f"|{dphi.value:.2g}| rad is {'within' if holds else 'beyond'} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
+    side = "within" if holds else "beyond"
+    why = f"|angle| = {abs(dphi.value):.2g} rad is {side} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
     return Null(kind, mass, frequency, len(levels), dphi, "holds" if holds else "does not hold", why)
 
 

@@ -6,7 +6,7 @@ CSS = """
 :root { color-scheme: light; --ink: #1c1f23; --soft: #58606a; --line: #d9dde2; --paper: #fff; }
 * { box-sizing: border-box; }
 body { margin: 0; color: var(--ink); background: var(--paper); font: 16px/1.5 system-ui, sans-serif; }
-main { max-width: 72rem; margin: 0 auto; padding: 1rem 1.25rem 3rem; }
+main { max-width: 80rem; margin: 0 auto; padding: 1rem 1.25rem 3rem; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: .5rem 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .4rem; }
 p, ul { max-width: 46rem; margin: .5rem 0; }
@@ -19,11 +19,11 @@ ul { padding-left: 1.2rem; }
 .verdict.bad { border-left-color: #b3261e; }
 .verdict h2 { margin-top: .6rem; }
 .result { font-size: 1.05rem; font-weight: 600; }
-.wide { overflow-x: auto; }
+.wide { max-width: 100%; overflow-x: auto; }
 figure { margin: 0; min-width: 34rem; max-width: 60rem; }
 figure svg { display: block; width: 100%; height: auto; }
-table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
+table { border-collapse: collapse; font-size: .8125rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .5rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { border-bottom-color: var(--soft); white-space: nowrap; vertical-align: bottom; }
 td { white-space: nowrap; }
 td.t { min-width: 16rem; max-width: 32rem; white-space: normal; overflow-wrap: break-word; }
@@ -50,7 +50,7 @@ for (const button of document.querySelectorAll("th button")) button.addEventList
   for (const other of th.parentElement.cells) other.removeAttribute("aria-sort");
   th.setAttribute("aria-sort", down ? "descending" : "ascending");
   const rows = [...body.rows].map(row => {
-    const cell = row.cells[column], value = parseFloat(cell.dataset.v);
+    const cell = row.cells[column], value = cell.dataset.v ? Number(cell.dataset.v.replace("inf", "Infinity")) : NaN;
     return { row, text: cell.textContent, value };
   });
   rows.sort((a, b) => {

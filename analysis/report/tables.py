@@ -12,10 +12,11 @@ Report = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A table cell: what is shown, and the number to sort by where it is one."""
+    """A table cell: what is shown, and the number to sort by where it is one; numeric: stands with the numbers."""
 
     text: str
     value: float | None = None
+    numeric: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +29,18 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
 
 
+UNKNOWN = Cell("–", numeric=True)
+UNBOUNDED = Cell("∞", math.inf)
+
+
 def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
     """A number to so many significant digits; a dash where it is not known."""
-    return Cell("–") if value is None else Cell(f"{value * scale:.{digits}g}", value * scale)
+    return UNKNOWN if value is None else Cell(f"{value * scale:.{digits}g}", value * scale)
 
 
 def fixed(value: float | None, places: int) -> Cell:
     """A number to so many decimal places; a dash where it is not known."""
-    return Cell("–") if value is None else Cell(f"{value:.{places}f}", value)
+    return UNKNOWN if value is None else Cell(f"{value:.{places}f}", value)
 
 
 def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
@@ -109,8 +114,9 @@ def budget(report: Report) -> Table:
     top = max(report["conditions"], key=lambda row: float(row["W_exp"]))
     rows = tuple(
         (
-            Cell(line["source"]), Cell(f"{line['u']:.2g} {line['unit'].replace('1', '')}".strip(), line["u"]),
-            number(line["c"], 3, 1e3), Cell("∞") if line["nu"] is None else number(line["nu"]),
+            Cell(line["source"]), _input(line["u"], line["unit"]),
+            number(line["c"], 3, 1.0 if line["unit"] == "J" else 1e3),
+            UNBOUNDED if line["nu"] is None else number(line["nu"]),
             number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
         )
         for line in top["uncertainty"]
@@ -124,6 +130,12 @@ def budget(report: Report) -> Table:
     )
     head = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
     return Table(title, note, head, rows)
+
+
+def _input(u: float, unit: str) -> Cell:
+    """An input's standard uncertainty: energies in mJ, relative ones without unit."""
+    shown = {"J": f"{1e3 * u:.2g} mJ", "1": f"{u:.2g}"}.get(unit, f"{u:.2g} {unit}")
+    return Cell(shown, u)
 
 
 def flags(report: Report) -> Table:

@@ -132,7 +132,7 @@ def test_markdown_tables_keep_their_columns(report):
             assert len(re.findall(r"(?<!\\)\|", line)) == len(table.head) + 1
 
 
-def test_first_sentence_and_wording.headline(report):
+def test_first_sentence_and_headline(report):
     assert wording.tested(report) == (
         "This run checks the measurement chain, not the damper model: the bed layers and the prediction W_T share one "
         "mechanism."
