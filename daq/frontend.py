@@ -72,7 +72,7 @@ class FrontEnd:
         self._gauss = np.zeros(BLOCK)
 
     def convert(self, volts: FloatArray) -> Codes:
-        """Codes (channels, BLOCK) of the next volts (channels, 8 BLOCK); the array is the caller's. Raises NotFinite."""
+        """Codes (channels, BLOCK) of the next volts (channels, 8 BLOCK); the array belongs to the caller. NotFinite."""
         codes = np.empty((len(self._converters), BLOCK), dtype=np.int32)
         for row, converter in enumerate(self._converters):
             filtered = self._decimators[row].push(volts[row])

@@ -1,6 +1,6 @@
-"""Clearing the consistency flags that a killed HDF5 writer leaves behind.
+"""The consistency flags that mark an HDF5 file as open for writing, and that a killed writer leaves behind.
 
-HDF5 marks a file as open for writing in its superblock (file format specification 3.0, section II.A, "File Consistency
+HDF5 keeps the marks in its superblock (file format specification 3.0, section II.A, "File Consistency
 Flags": bit 0 open for writing, bit 2 open for single-writer/multiple-reader). A killed writer leaves the mark, and the
 library then refuses to open the file for writing. A session's metadata never change after creation, so removing
 the mark is safe once no writer is alive. The superblock (versions 2 and 3) ends with a lookup3 checksum.
@@ -9,7 +9,7 @@ the mark is safe once no writer is alive. The superblock (versions 2 and 3) ends
 import os
 from pathlib import Path
 
-__all__ = ["clear_consistency_flags", "lookup3"]
+__all__ = ["clear_consistency_flags", "lookup3", "marked_open"]
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 OPEN_FOR_WRITE, OPEN_FOR_SWMR = 1, 4
@@ -46,6 +46,13 @@ def lookup3(data: bytes, initial: int = 0) -> int:
     return ((c ^ b) - rotated(b, 24)) & mask
 
 
+def marked_open(path: Path) -> bool:
+    """Whether the file says that a writer has it open; False also for files without such a mark. Raises OSError."""
+    with path.open("rb") as file:
+        head = file.read(ADDRESSES_AT)
+    return _has_flags(head) and bool(head[FLAGS_AT] & (OPEN_FOR_WRITE | OPEN_FOR_SWMR))
+
+
 def clear_consistency_flags(path: Path) -> bool:
     """Clear the open-for-writing marks of the HDF5 file at `path`; True when there were any.
 
@@ -54,7 +61,7 @@ def clear_consistency_flags(path: Path) -> bool:
     """
     with path.open("r+b") as file:
         head = file.read(ADDRESSES_AT)
-        if len(head) < ADDRESSES_AT or head[:8] != SIGNATURE or head[VERSION_AT] not in (2, 3):
+        if not _has_flags(head):
             raise ValueError(f"{path} does not begin with an HDF5 superblock of version 2 or 3")
         body = head + file.read(4 * head[OFFSET_SIZE_AT])
         if lookup3(body) != int.from_bytes(file.read(4), "little"):
@@ -68,3 +75,7 @@ def clear_consistency_flags(path: Path) -> bool:
         file.flush()
         os.fsync(file.fileno())
         return True
+
+
+def _has_flags(head: bytes) -> bool:
+    return len(head) == ADDRESSES_AT and head[:8] == SIGNATURE and head[VERSION_AT] in (2, 3)

@@ -9,21 +9,46 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import h5py  # type: ignore[import-untyped, unused-ignore]
+import h5py
 import numpy as np
 import numpy.typing as npt
 from h5py import h5a, h5d, h5g, h5l, h5p, h5s, h5t  # type: ignore[attr-defined, unused-ignore]
 
-__all__ = ["array", "attributes", "dataset", "group", "has", "open_file", "read_attributes", "read_rows", "read_text",
-           "text", "write_rows"]  # fmt: skip
+from daq.hdf5_flags import marked_open
+
+__all__ = [
+    "array",
+    "attributes",
+    "dataset",
+    "group",
+    "has",
+    "open_file",
+    "open_for_reading",
+    "read_attributes",
+    "read_rows",
+    "read_text",
+    "text",
+    "write_rows",
+]
 
 AttributeValue = str | int | float | Sequence[str]
 SCALAR = h5s.create(h5s.SCALAR)
 
 
-def open_file(path: Path, mode: str, swmr: bool = False) -> Any:
-    """Open an HDF5 file (h5py.File) in the newest format, which the single-writer mode needs."""
-    return h5py.File(path, mode, libver="latest", swmr=swmr)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+def open_file(path: Path, mode: str) -> Any:
+    """Open an HDF5 file (h5py.File) for writing in the newest format, which the single-writer mode needs."""
+    return h5py.File(path, mode, libver="latest")  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+
+
+def open_for_reading(path: Path) -> Any:
+    """Open an HDF5 file (h5py.File) for reading, also while a writer has it open or after the writer was killed.
+
+    The reader's side of the single-writer mode is used only where the file needs it, because in that mode HDF5 takes
+    any damage for a write in progress and tries again for hours. No lock is taken: metadata do not change, and a
+    reader must not keep a writer from resuming.
+    """
+    swmr = marked_open(path)
+    return h5py.File(path, "r", libver="latest", swmr=swmr, locking=False)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:

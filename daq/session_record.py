@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.channel import ChannelInfo
-from daq.session_hdf5 import dataset, has, open_file, read_attributes, read_rows, read_text
+from daq.session_hdf5 import dataset, has, open_for_reading, read_attributes, read_rows, read_text
 from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, status_dtype
 
 __all__ = ["Record", "Truth", "open_session"]
@@ -30,7 +30,7 @@ def open_session(path: Path | str) -> "Record":
     if not place.is_file():
         raise SessionError(f"there is no session file {place}")
     try:
-        file = open_file(place, "r", swmr=True)
+        file = open_for_reading(place)
     except (OSError, RuntimeError, ValueError) as error:
         raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
     try:
@@ -50,7 +50,8 @@ class Record:
     def __init__(self, file: Any, path: Path) -> None:
         self._file = file
         self._path = path
-        self._live = file.mode == "r"  # another process may be writing; a recorder's own handle sees its writes
+        self._owned = file.mode == "r"  # a recorder keeps its own file
+        self._live = self._owned and file.swmr_mode  # another process may be writing
         with self.readable():
             root = read_attributes(file, "")
             self.schema = str(root.get("schema", "none"))
@@ -74,7 +75,7 @@ class Record:
 
     def close(self) -> None:
         """Close the file; a recorder's own record stays open with its recorder."""
-        if self._live:
+        if self._owned:
             self._file.close()
 
     @property
@@ -134,7 +135,7 @@ class Record:
         if channel.offset:
             samples += channel.offset / channel.sensitivity
         blocks = self._blocks(run, status)
-        touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first)
+        touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first) & (first < last)
         flags = np.bitwise_or.reduce(blocks["flags"][touched, self._column(name)], initial=0)
         return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
 
