@@ -146,14 +146,14 @@ def combined(parts: Sequence[Energy]) -> Energy:
     share /= share.sum()
 
     def mean(values: Sequence[float]) -> float:
-        return float(np.dot(share, values))
+        return float((share * values).sum())
 
     return Energy(
         frequency=parts[0].frequency, cycles=sum(part.cycles for part in parts), W=mean([part.W for part in parts]),
         W_cycles=np.concatenate([part.W_cycles for part in parts]), W_exc=mean([part.W_exc for part in parts]),
         W_kin=mean([part.W_kin for part in parts]), W_phasor=mean([part.W_phasor for part in parts]),
-        force=np.tensordot(share, np.array([part.force for part in parts]), 1),
-        acceleration=np.tensordot(share, np.array([part.acceleration for part in parts]), 1),
+        force=np.einsum("i,ij->j", share, np.array([part.force for part in parts])),
+        acceleration=np.einsum("i,ij->j", share, np.array([part.acceleration for part in parts])),
     )  # fmt: skip
 
 
@@ -189,9 +189,9 @@ def _literal(
     """
     velocity = _velocity(acceleration - acceleration.mean(), step)
     means, middle = velocity.reshape(cycles, points).mean(axis=1), np.arange(cycles) - (cycles - 1) / 2
-    slope = float(means @ middle) / float(middle @ middle) if cycles > 1 else 0.0
+    slope = float((means * middle).sum()) / float((middle * middle).sum()) if cycles > 1 else 0.0
     velocity -= float(means.mean()) + slope * (np.arange(velocity.size) / points - (cycles - 1 / points) / 2)
-    W_exc = float(np.dot(force, velocity)) * step / cycles
+    W_exc = float(np.einsum("i,i->", force, velocity)) * step / cycles
     first, last = float(velocity[0]), float(velocity[(cycles - 1) * points])
     W_kin = 0.5 * box_mass * (last**2 - first**2) / (cycles - 1) if cycles > 1 else 0.0
     return W_exc, W_kin

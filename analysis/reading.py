@@ -26,7 +26,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
     are still written. AnalysisError where the run is incomplete, has missing samples in the window or no whole cycle.
     """
     if isinstance(run, str):
-        run = next(known for known in record.runs if known.name == run)
+        run = record.run(run)
     if not run.complete:
         raise AnalysisError(f"{run.name} is not complete")
     setting = Setting.of(record.conditions[run.condition])

@@ -75,6 +75,9 @@ class AnalyticRecord:
     block_flags: int = 0
     synthetic: bool = True
 
+    def run(self, name: str) -> Run:
+        return next(run for run in self.runs if run.name == name)
+
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Samples:
         samples = self.signals[run][name == "acceleration"][start:stop]
         assert len(samples) == (stop or len(self.signals[run][0])) - start
