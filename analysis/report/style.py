@@ -37,7 +37,8 @@ code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
 @media (max-width: 40rem) { main { padding: .5rem .8rem 2rem; } th, td { padding: .2rem .4rem; } }
 @media print {
   body { font-size: 10pt; } main { max-width: none; padding: 0; } .wide { overflow: visible; }
-  figure { min-width: 0; max-width: 15cm; } table { font-size: 7.5pt; } th, td { white-space: normal; } th, td { padding: 1pt 3pt; }
+  figure { min-width: 0; max-width: 15cm; } table { font-size: 7.5pt; }
+  th, td { white-space: normal; padding: 1pt 3pt; }
   section { break-inside: auto; } tr, figure, .verdict { break-inside: avoid; } h2 { break-after: avoid; }
   thead { display: table-header-group; }
 }

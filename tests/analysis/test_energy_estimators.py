@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from analytic_record import FILTER_DELAY, OMEGA, RATE, dashpot_energy, drive_time, motion
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis import dissipated_energy
@@ -68,6 +68,7 @@ def test_third_harmonic_in_both_channels_carries_its_own_energy():
     assert energy.thd_force == pytest.approx(abs(12 + 30 / (3j * OMEGA)) * 0.5 / (abs(12 + 30 / (1j * OMEGA)) * 5))
 
 
+@settings(deadline=None)
 @given(
     c=st.floats(0.1, 1e3), mass=st.floats(0.1, 100), a0=st.floats(0.1, 50), phase=st.floats(0, 6.3),
     offsets=st.tuples(st.floats(-10, 10), st.floats(-1, 1)),
@@ -84,6 +85,7 @@ def test_estimators_agree_whatever_the_phase_and_offset(c, mass, a0, phase, offs
     assert abs(energy.W_kin) < 1e-11 * in_play
 
 
+@settings(deadline=None)
 @given(scale=st.floats(1e-3, 1e3))
 def test_energy_scales_with_force_times_acceleration(scale):
     a, v = motion(drive_time(4 * 512, delay=0), 3.0)

@@ -1,12 +1,13 @@
 """Predicted energies between tabulated accelerations."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.prediction import Curve, Prediction
 
 
+@settings(deadline=None)
 @given(n=st.floats(0.5, 5), scale=st.floats(1e-6, 1e3), at=st.floats(1.0, 10.0))
 def test_a_power_law_is_reproduced_everywhere(n, scale, at):
     levels = (2.0, 3.0, 5.0)
