@@ -44,11 +44,10 @@ def open_for_reading(path: Path) -> Any:
     """Open an HDF5 file (h5py.File) for reading, also while a writer has it open or after the writer was killed.
 
     The reader's side of the single-writer mode is used only where the file needs it, because in that mode HDF5 takes
-    any damage for a write in progress and tries again for hours. No lock is taken: metadata do not change, and a
-    reader must not keep a writer from resuming.
+    any damage for a write in progress and tries again for hours.
     """
     swmr = marked_open(path)
-    return h5py.File(path, "r", libver="latest", swmr=swmr, locking=False)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+    return h5py.File(path, "r", libver="latest", swmr=swmr)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
