@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Cell", "Table", "all_tables", "with_U"]
+__all__ = ["Cell", "Table", "all_tables", "significant", "with_U"]
 
 Report = dict[str, Any]
 
@@ -33,9 +33,18 @@ UNKNOWN = Cell("–", numeric=True)
 UNBOUNDED = Cell("∞", math.inf)
 
 
+def significant(value: float, digits: int) -> str:
+    """A number to so many significant digits, with an exponent only where it would be a row of zeros."""
+    if value == 0 or not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.{digits}g}"
+    value = float(f"{value:.{digits}g}")
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    return f"{value:.{max(0, places)}f}"
+
+
 def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
     """A number to so many significant digits; a dash where it is not known."""
-    return UNKNOWN if value is None else Cell(f"{value * scale:.{digits}g}", value * scale)
+    return UNKNOWN if value is None else Cell(significant(value * scale, digits), value * scale)
 
 
 def fixed(value: float | None, places: int) -> Cell:
@@ -70,7 +79,7 @@ def conditions(report: Report) -> Table:
     for row in report["conditions"]:
         grains = f"{row['material']} {1e3 * row['diameter']:g} mm" if row["bed"] not in ("empty", "dashpot") else ""
         rows.append((
-            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), number(row["fill"], 3, 100),
+            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), Cell(f"{100 * row['fill']:.4g}", row["fill"]),
             fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
             with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
@@ -96,7 +105,8 @@ def nulls(report: Report) -> Table:
     """The null tests."""
     rows = tuple(
         (
-            Cell(row["null"]), number(row["bed_mass"]), number(row["frequency"]), number(row["levels"]),
+            Cell(row["null"]), number(row["bed_mass"]), _plain(row["frequency"]),
+            _plain(row["levels"]),
             with_U(row["dphi"], row["U_dphi"], 1e3), Cell(row["verdict"]), Cell(row["why"]),
         )
         for row in report["nulls"]
@@ -116,7 +126,7 @@ def budget(report: Report) -> Table:
         (
             Cell(line["source"]), _input(line["u"], line["unit"]),
             number(line["c"], 3, 1.0 if line["unit"] == "J" else 1e3),
-            UNBOUNDED if line["nu"] is None else number(line["nu"]),
+            UNBOUNDED if line["nu"] is None else _plain(line["nu"]),
             number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
         )
         for line in top["uncertainty"]
@@ -134,7 +144,7 @@ def budget(report: Report) -> Table:
 
 def _input(u: float, unit: str) -> Cell:
     """An input's standard uncertainty: energies in mJ, relative ones without unit."""
-    shown = {"J": f"{1e3 * u:.2g} mJ", "1": f"{u:.2g}"}.get(unit, f"{u:.2g} {unit}")
+    shown = {"J": f"{significant(1e3 * u, 2)} mJ", "1": f"{u:.2g}"}.get(unit, f"{u:.2g} {unit}")
     return Cell(shown, u)
 
 
@@ -159,7 +169,7 @@ def instruments(report: Report) -> Table:
         (
             Cell(row["channel"]), Cell(row["model"]), Cell(f"{1e3 * row['sensitivity']:.5g} mV per {row['unit']}"),
             Cell("DC" if row["time_constant"] is None else f"{row['time_constant']:g} s"),
-            number(row["calibration_U"], 2, 100), number(row["gain_tolerance"], 2, 100),
+            _plain(100 * row["calibration_U"]), _plain(100 * row["gain_tolerance"]),
             Cell(f"{row['noise_rms']:.2g} {row['unit']}"),
         )
         for row in report["instruments"]
@@ -182,7 +192,9 @@ def values(report: Report) -> Table:
 
 
 def _plain(value: object) -> Cell:
-    return number(value, 6) if isinstance(value, float | int) else Cell("" if value is None else str(value))
+    if isinstance(value, float | int):
+        return Cell(f"{value:.6g}", float(value))
+    return Cell("" if value is None else str(value))
 
 
 def _some(names: Sequence[str], most: int = 8) -> str:

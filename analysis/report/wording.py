@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from analysis.report.tables import with_U
+from analysis.report.tables import significant, with_U
 
 __all__ = ["again", "headline", "reasons", "tested", "verdict_line", "waveform"]
 
@@ -29,7 +29,8 @@ def waveform(report: Report) -> str:
     if report["waveform"] != "ideal":
         return origin
     found = [row["thd_box"] for row in report["conditions"] if row["thd_box"] is not None]
-    spread = f"{100 * min(found):.2g} % to {100 * max(found):.2g} %" if found else "an unknown amount"
+    low, high = (significant(100 * edge(found), 2) if found else "" for edge in (min, max))
+    spread = f"{low} % to {high} %" if found else "an unknown amount"
     return (
         f"{origin} An ideal waveform is assumed: the box follows the programmed motion exactly, where the bed's force "
         f"would distort a real exciter's acceleration by {spread} (harmonics over fundamental)."
@@ -61,9 +62,9 @@ def headline(report: Report) -> str:
         f"energy; slope through the origin {with_U(found['slope'], found['U_slope']).text}."
     )
     if found["put_in"] is not None:
-        text += f" Of this, {100 * found['put_in']:.2g} % of W_T was put in by the rig file as losses of the box."
+        text += f" The rig file put in {significant(100 * found['put_in'], 2)} % of W_T as losses of the box."
     if found["mean_offset"] is not None:
-        mean = f"{100 * found['mean_offset']:.2g} %"
+        mean = f"{significant(100 * found['mean_offset'], 2)} %"
         text += f" The mean offset of the {count} conditions above the detection limit is {mean}."
     return text
 

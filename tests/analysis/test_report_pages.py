@@ -16,7 +16,7 @@ from analysis.figures import plots, swept
 from analysis.report import wording
 from analysis.report.html import html_text
 from analysis.report.markdown import markdown_text
-from analysis.report.tables import all_tables, with_U
+from analysis.report.tables import all_tables, significant, with_U
 
 
 @pytest.fixture(scope="module")
@@ -159,6 +159,17 @@ def test_first_sentence_and_headline(report):
 )  # fmt: skip
 def test_value_and_uncertainty_share_their_last_place(value, U, shown):
     assert with_U(value, U).text == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "shown"),
+    [
+        (187.3, 2, "190"), (0.99996, 2, "1.0"), (0.00512, 2, "0.0051"), (-3.0, 3, "-3.00"), (1e-9, 2, "1e-09"),
+        (0, 3, "0"),
+    ],
+)  # fmt: skip
+def test_significant_digits_without_needless_exponents(value, digits, shown):
+    assert significant(value, digits) == shown
 
 
 def test_figures_are_drawings_with_words(report):
