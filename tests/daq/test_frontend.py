@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from daq_signals import RATE, Analytic, channels, constant, front_end, tone
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from signals import RATE, Analytic, channels, constant, front_end, tone
 
 from daq.channel import AnalyzerSpec, Channel, ChannelState, TransducerSpec, ideal_analyzer
 from daq.frontend import BLOCK, FILTER_DELAY, FrontEnd, NotFinite, noise_volts

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from daq_signals import OVERSAMPLED, RATE, Analytic, constant, tone
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from signals import OVERSAMPLED, RATE, Analytic, constant, tone
 
 from daq.channel import ChannelState
 from daq.transducer import Transduced

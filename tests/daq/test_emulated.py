@@ -1,0 +1,55 @@
+"""The emulated analyzer: what is particular to it beside the conformance suite."""
+
+import numpy as np
+import pytest
+from daq_signals import RATE, Analytic, constant, front_end, tone
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import signal
+
+from daq.acquisition import Emulated
+from daq.block import Flag
+from daq.fir import STAGE1, STAGE2
+from daq.frontend import BLOCK
+from daq.source import AnalogSource, PhysicalSource
+
+
+def filtered(volts: np.ndarray) -> np.ndarray:
+    """Volts at the output rate by scipy's convolution."""
+    spread = np.zeros(4 * (len(STAGE2) - 1) + 1)
+    spread[::4] = STAGE2
+    return signal.upfirdn(np.convolve(STAGE1, spread), volts, 1, 8)[: len(volts) // 8]
+
+
+@settings(max_examples=15, deadline=None)
+@given(amplitude=st.floats(8.0, 14.0), frequency=st.floats(0.001, 0.1), size=st.integers(16, 400))
+def test_overload_bits_stand_exactly_where_the_range_is_exceeded(amplitude: float, frequency: float, size: int) -> None:
+    volts = filtered(Analytic(tone(amplitude, frequency)).read(8 * BLOCK)[0])
+    acquisition = Emulated(Analytic(tone(amplitude, frequency)), front_end())
+    lsb = 10.0 / 2**23
+    for start in range(0, BLOCK - size, size):
+        part = volts[start : start + size]
+        block = acquisition.read(size)
+        assert block.start == start
+        assert bool(block.flags[0] & Flag.OVERLOAD_HI) == bool((part > 10.0 - 1.5 * lsb).any())
+        assert bool(block.flags[0] & Flag.OVERLOAD_LO) == bool((part < -10.0 + 0.5 * lsb).any())
+        assert block.clipped[0] == np.count_nonzero((part > 10.0 - 1.5 * lsb) | (part < -10.0 + 0.5 * lsb))
+
+
+def test_the_overload_of_one_channel_is_its_own() -> None:
+    block = Emulated(Analytic(constant(11.0), constant(9.0)), front_end(2)).read(200)
+    assert [bool(flags & Flag.OVERLOAD_HI) for flags in block.flags] == [True, False]
+    assert block.clipped[1] == 0
+
+
+def test_the_source_must_fit_the_front_end() -> None:
+    with pytest.raises(ValueError, match="channels"):
+        Emulated(Analytic(constant(0.0)), front_end(2))
+    with pytest.raises(ValueError, match="expected 8 x"):
+        Emulated(Analytic(constant(0.0), rate=RATE), front_end())
+
+
+def test_the_waists_are_protocols() -> None:
+    source = Analytic(constant(0.0))
+    assert isinstance(source, PhysicalSource)
+    assert isinstance(source, AnalogSource)
