@@ -18,6 +18,7 @@ BLUE, ORANGE, GREY = "#0072b2", "#d55e00", "#8a8a8a"
 SERIES = (BLUE, "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#000000", "#d55e00", "#999933")
 MARKERS = "osD^vPX*"
 MOST_PANELS = 12
+WIDTH = 7.2  # inches
 
 AXES: dict[str, tuple[str, float]] = {
     "fill": ("fill, %", 100.0),
@@ -90,7 +91,7 @@ def energy_figure(report: Row) -> "Figure":
     across = 1 if len(levels) == 1 else 2
     down = -(-len(levels) // across)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 0.5 + (3.4 if down == 1 else 2.5 * down)), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 0.5 + (3.4 if down == 1 else 2.5 * down)))
         panels = figure.subplots(down, across, squeeze=False).ravel()
         series = _series(rows, x)
         for axes, level in zip(panels, levels, strict=False):
@@ -104,7 +105,10 @@ def energy_figure(report: Row) -> "Figure":
         for axes in panels[::across]:
             axes.set_ylabel("energy, mJ per cycle")
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper right", ncols=min(4, len(labels)))
+        columns = 3 if len(labels) <= 3 else 2
+        lines = -(-len(labels) // columns)
+        _margins(figure, top=0.35 + 0.2 * lines)
+        figure.legend(handles, labels, loc="upper right", ncols=columns)
     return figure
 
 
@@ -115,8 +119,9 @@ def offset_figure(report: Row) -> "Figure":
 
     rows = [row for row in report["conditions"] if row["offset"] is not None]
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 3.0), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 3.0))
         axes = figure.subplots()
+        _margins(figure, top=0.1)
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter("{x:g}")
         axes.axhline(0, color="black", linewidth=0.8)
@@ -134,6 +139,14 @@ def offset_figure(report: Row) -> "Figure":
         axes.set_ylabel("offset, %")
         axes.legend(loc="best")
     return figure
+
+
+def _margins(figure: "Figure", top: float) -> None:
+    """Margins in inches, set by hand: matplotlib's own layout engine draws everything twice."""
+    width, height = figure.get_size_inches()
+    figure.subplots_adjust(
+        left=0.75 / width, right=1 - 0.08 / width, bottom=0.5 / height, top=1 - top / height, hspace=0.24, wspace=0.24
+    )
 
 
 def _energy_panel(axes: "Axes", rows: Sequence[Row], x: str, series: dict[str, Callable[[Row], bool]]) -> None:
