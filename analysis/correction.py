@@ -3,26 +3,29 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["channel_correction", "net_of_mass", "pole_phase"]
+from analysis.integration import integral
 
+__all__ = ["advanced", "net_of_mass", "pole_phase", "without_pole"]
+
+Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-def channel_correction(
-    omega: NDArray[np.floating], time_constant: float | None = None, delay: float = 0.0
-) -> Complex | None:
-    """Factor that turns a channel's spectrum back into its input, at angular frequencies omega > 0 (rad/s).
+def without_pole(signal: Array, time_constant: float, step: float) -> Array:
+    """Input of a one-pole high pass j w tau / (1 + j w tau) from its output: a window of whole cycles, mean dropped.
 
-    time_constant: s, of a one-pole high pass j w tau / (1 + j w tau), None for none; delay: s by which the channel lags
-    the reference. None where nothing is to be corrected.
+    time_constant: tau in s; step: s. Every harmonic is multiplied by 1 + 1 / (j w tau), written in time as
+    x = y + integral(y) / tau; the mean, which no high pass hands on, is taken off first.
     """
-    factor: Complex | None = None
-    if time_constant is not None:
-        factor = np.asarray(1 - 1j / (omega * time_constant), dtype=np.complex128)
-    if delay:
-        shift: Complex = np.exp(1j * omega * delay)
-        factor = shift if factor is None else factor * shift
-    return factor
+    signal = signal - signal.mean()
+    return signal + integral(signal, step) * (1 / time_constant)
+
+
+def advanced(signal: Array, delay: float, step: float) -> Array:
+    """A window of whole cycles moved `delay` s earlier, its spectrum turned by e^(jw delay)."""
+    spectrum = np.fft.rfft(signal)
+    spectrum *= np.exp(2j * np.pi * np.fft.rfftfreq(signal.size, step) * delay)
+    return np.fft.irfft(spectrum, signal.size)
 
 
 def pole_phase(omega: float, time_constant: float | None) -> float:
