@@ -11,6 +11,8 @@ from daq.source import AnalogSource
 
 __all__ = ["Acquisition", "Emulated"]
 
+CLOCK_TOLERANCE = 1e-3  # a source knows the analyzer's actual clock, the front end its nominal rate
+
 LARGEST_CLOCK_ERROR = 1e-3
 """A source runs at the actual rate, the front end states the nominal one: they differ by the clock's error."""
 

@@ -49,6 +49,11 @@ def test_the_source_must_fit_the_front_end() -> None:
         Emulated(Analytic(constant(0.0), rate=RATE), front_end())
 
 
+def test_the_source_may_run_on_the_analyzers_actual_clock() -> None:
+    acquisition = Emulated(Analytic(constant(0.0), rate=8 * RATE * (1 + 50e-6)), front_end())
+    assert acquisition.rate == RATE  # what the analyzer believes
+
+
 def test_the_waists_are_protocols() -> None:
     source = Analytic(constant(0.0))
     assert isinstance(source, PhysicalSource)
