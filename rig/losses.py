@@ -10,6 +10,8 @@ from rig.drive.waveform import Waveform
 Array = NDArray[np.float64]
 
 QUADRATURE_POINTS = 4096
+AIR_DENSITY = 1.204
+SOUND_SPEED = 343.0
 
 
 @dataclass(frozen=True)
@@ -50,3 +52,18 @@ def mean_force(losses: Losses, position: Array, velocity: Array, interval: float
         pull = velocity * np.abs(velocity)
         force -= (0.5 * losses.air) * (pull[1:] + pull[:-1])
     return force
+
+
+def drag_of_box(height: float, width: float) -> float:
+    """First-principles size of `air`: k = rho C_d A / 2 of a blunt box, N s^2/m^2; C_d = 10 is a ceiling (assumed)."""
+    return 0.5 * AIR_DENSITY * 10.0 * height * width
+
+
+def sound_of_box(height: float, width: float, length: float, omega: float) -> float:
+    """First-principles size of `noise`: viscous equivalent of dipole sound, N s/m: (rho V + m_a)^2 w^4/(12 pi rho c^3).
+
+    m_a = 1.19 rho pi/4 of the larger face's side squared per length is the added mass of the air (Koss 1974 form).
+    """
+    side = max(height, width)
+    moved = AIR_DENSITY * (height * width * length + 1.19 * np.pi / 4.0 * side**2 * min(height, width))
+    return float(moved**2 * omega**4 / (12.0 * np.pi * AIR_DENSITY * SOUND_SPEED**3))

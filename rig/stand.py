@@ -17,7 +17,7 @@ from rig.scene import Cavity, Scene
 
 Array = NDArray[np.float64]
 
-CHUNK_CYCLES = 5
+CHUNK_CYCLES = 4
 
 
 def box_mass(cavity: Cavity, wall_density: float) -> float:
@@ -86,7 +86,7 @@ class Stand:
         ready = [self._waiting]
         size = self._waiting.shape[1]
         while size < n:
-            ready.append(self._chunk())
+            ready.append(self.advance())
             size += ready[-1].shape[1]
         joined = np.concatenate(ready, axis=1) if len(ready) > 1 else ready[0]
         self._waiting = joined[:, n:]
@@ -98,7 +98,8 @@ class Stand:
         self._rows = []
         return rows
 
-    def _chunk(self) -> Array:
+    def advance(self) -> Array:
+        """The interval means of the next chunk of whole cycles, shape (2, intervals); one less at the very start."""
         box = self._box_means(self._sampling.edges(self._cycles, CHUNK_CYCLES))
         reaction = self._bed.advance(CHUNK_CYCLES)
         self._rows.append(account(reaction, self._kinetic, *self._lost, self._inertial))

@@ -1,0 +1,159 @@
+"""Looking ahead: what each condition asks of exciter, front end and disk, and what its repeats will be able to tell."""
+
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from analysis.uncertainty import angle_uncertainty, certificate_lines, combine
+from daq.channel import ChannelInfo
+from daq.frontend import FILTER_DELAY
+from daq.seeds import stream
+from daq.fir import OVERSAMPLING
+from rig.beds.stack import nominal, refill, stack
+from rig.campaign.setup import PASS_BAND, Campaign
+from rig.drive.exciter import Demand, demand
+from rig.drive.waveform import Waveform
+from rig.ledger import COLUMNS
+from rig.model import closed, predict
+from rig.scene import Condition
+from rig.stand import Stand
+
+AHEAD = 3
+"""Chunks of cycles simulated of each condition: the last one stands for the steady state."""
+
+POURINGS = 8
+"""Refills whose W_T is computed to expect the scatter between repeats."""
+
+BYTES_PER_SAMPLE = 4
+CONFIDENCE = 0.975
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """One condition before it is run. Energies in J per cycle, W_exp and U as the repeats are expected to give them.
+
+    exciter : shares of the exciter's limits, `Demand`
+    range_force, range_acceleration : peak over the range of the channel
+    W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
+    """
+
+    id: str
+    material: str
+    bed: str
+    diameter: float
+    fill: float
+    frequency: float
+    acceleration: float
+    samples_per_cycle: float
+    exciter: Demand
+    range_force: float
+    range_acceleration: float
+    W_T: float
+    W_exp: float
+    U_W_exp: float
+    W_detect: float
+    smallest_difference: float
+    seconds_per_cycle: float
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Limits that the condition exceeds."""
+        used = {f"exciter {name}": share for name, share in asdict(self.exciter).items()}
+        used |= {"force range": self.range_force, "acceleration range": self.range_acceleration}
+        return tuple(f"{name} {share:.2f} of its limit" for name, share in used.items() if share > 1.0)
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Ratings of the exciter, fundamental, and of the front end that are exceeded; `peak` is a warning only."""
+        return tuple(flag for flag in self.flags if not flag.startswith("exciter peak"))
+
+
+def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
+    """The outlook of every condition, in order."""
+    with ThreadPoolExecutor(workers) as pool:
+        yield from pool.map(lambda condition: outlook(campaign, condition), campaign.conditions)
+
+
+def disk(campaign: Campaign) -> int:
+    """Bytes that the session's samples will take."""
+    samples = sum(campaign.lengths[run.condition.id].samples for run in campaign.runs)
+    return samples * BYTES_PER_SAMPLE * len(campaign.instruments.channels)
+
+
+def outlook(campaign: Campaign, condition: Condition) -> Outlook:
+    """Simulate a few cycles of a condition as set, without instruments, and plan its measurement."""
+    rig, scene, drive = campaign.rig, condition.scene, condition.drive
+    rate = campaign.lengths[condition.id].rate
+    motion = Waveform(drive.frequency, drive.acceleration)
+    started = time.perf_counter()
+    stand = Stand(scene, rig, motion, nominal(scene, rig), OVERSAMPLING * rate)
+    for _ in range(AHEAD):
+        stand.advance()
+    seconds = time.perf_counter() - started
+    rows = stand.drain_ledger()
+    last = rows[2 * len(rows) // 3 :].mean(axis=0)
+    lost = float(sum(last[COLUMNS.index(name)] for name in COLUMNS if name.startswith("W_") and name != "W_gauge"))
+    use = demand(rig.exciter, stand.latest_force, stand.rate, motion, PASS_BAND * rate)
+    channels = campaign.instruments.table(rate, FILTER_DELAY)
+    reactive = np.pi / motion.omega**2 * apparent_mass(stand, motion) * drive.acceleration**2
+    point = predict(condition, rig)
+    U, k_difference, s = _plan(campaign, condition, channels, lost, float(reactive))
+    return Outlook(
+        id=condition.id,
+        material=scene.grains.material,
+        bed=scene.bed,
+        diameter=scene.grains.diameter,
+        fill=scene.grains.fill,
+        frequency=drive.frequency,
+        acceleration=drive.acceleration,
+        samples_per_cycle=rate / drive.frequency,
+        exciter=use,
+        range_force=_range_use(channels[0], use.peak * rig.exciter.force_peak),
+        range_acceleration=_range_use(channels[1], drive.acceleration),
+        W_T=point.W_T,
+        W_exp=lost,
+        U_W_exp=U,
+        W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
+        smallest_difference=k_difference * s,
+        seconds_per_cycle=seconds / len(rows),
+    )
+
+
+def apparent_mass(stand: Stand, motion: Waveform) -> float:
+    """Re(F A*)/|A|^2 at the fundamental over the latest whole cycles, kg."""
+    force = stand.latest_force
+    phase = motion.omega * (np.arange(force.size) + 0.5) / stand.rate
+    return float(-2.0 * np.mean(force * np.sin(phase)) / motion.acceleration)
+
+
+def _plan(
+    campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], W: float, reactive: float
+) -> tuple[float, float, float]:
+    """Expected U of W_exp, the factor from the scatter of one run to the smallest decidable difference, that scatter."""
+    n = campaign.protocol.repeats.n
+    s = _scatter(campaign, condition)
+    lines = certificate_lines(channels[0], channels[1], condition.drive.frequency, W, reactive)
+    parts = [(line.part, line.nu) for line in lines]
+    if n > 1:
+        parts.append((s / np.sqrt(n), n - 1.0))
+    dof = 2.0 * (n - 1)
+    factor = float(stdtrit(dof, CONFIDENCE) * np.sqrt(2.0 / n)) if dof > 0 else float("inf")
+    return combine(W, parts).U, factor, s
+
+
+def _scatter(campaign: Campaign, condition: Condition) -> float:
+    """Standard deviation of W_T over some pourings, J: the refill scatter that the rig file assumes."""
+    if not campaign.protocol.repeats.refill:
+        return 0.0
+    scene, drive, rig = condition.scene, condition.drive, campaign.rig
+    rng = stream(campaign.protocol.seed, condition.seed_key, "preflight")
+    beds = [stack(scene, rig, refill(scene, rig, rng)) for _ in range(POURINGS)]
+    return float(np.std([closed(scene, bed, drive.acceleration, drive.frequency).total for bed in beds], ddof=1))
+
+
+def _range_use(channel: ChannelInfo, peak: float) -> float:
+    return peak * channel.sensitivity / channel.range_V

@@ -1,0 +1,61 @@
+"""What a session file states before the first sample: conditions, predictions, instruments, provenance."""
+
+from dataclasses import asdict
+
+from daq.frontend import FILTER_DELAY
+from daq.session import RunPlan, SessionPlan
+from rig.campaign.setup import Campaign
+from rig.drive.exciter import Demand
+from rig.ledger import COLUMNS
+from rig.plan import Run, condition_facts, prediction_document, predictions
+from rig.protocol import dump_protocol
+from rig.provenance import now, provenance
+
+SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
+
+
+def session_plan(campaign: Campaign, workers: int) -> SessionPlan:
+    """Everything that a session file holds except the samples."""
+    found = predictions(campaign.conditions, campaign.rig, workers)
+    tools, protocol, created = campaign.instruments, campaign.protocol, now()
+    facts = [
+        condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions
+    ]
+    rate = campaign.lengths[campaign.conditions[0].id].rate
+    return SessionPlan(
+        rate=rate,
+        channels=tools.table(rate, FILTER_DELAY),
+        runs=tuple(_run_plan(campaign, run, created) for run in campaign.runs),
+        conditions=tuple(facts),
+        protocol_text=campaign.text,
+        protocol={"name": protocol.name, "question": protocol.question, "resolved": dump_protocol(protocol)},
+        documents={
+            "prediction": prediction_document(found),
+            "rig": {"name": campaign.rig.name, "provenance": dict(campaign.rig.provenance),
+                    "values": [asdict(value) for value in campaign.rig.values]},
+            "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
+        },
+        truth_documents={
+            "instruments": {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)},
+            "clock": {"error": tools.clock_error},
+        },
+        ledger_columns=COLUMNS,
+        ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
+        scalars=SCALARS,
+    )  # fmt: skip
+
+
+def _run_plan(campaign: Campaign, run: Run, created: str) -> RunPlan:
+    size, acquire = campaign.lengths[run.condition.id], run.condition.acquire
+    return RunPlan(
+        name=run.name,
+        condition=run.condition.id,
+        repeat=run.repeat,
+        order=run.order,
+        samples=size.samples,
+        settle_samples=size.settle,
+        blocks=len(size.blocks),
+        t0=created,
+        rate=size.rate,
+        ledger_cycles=acquire.settle + acquire.record,
+    )

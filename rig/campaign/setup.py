@@ -1,0 +1,101 @@
+"""A protocol with every choice made: what each run is, and its road from the stand to blocks of codes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.acquisition import Emulated
+from daq.block import Block
+from daq.fir import OVERSAMPLING
+from daq.frontend import FILTER_DELAY, FrontEnd
+from daq.seeds import stream
+from daq.transducer import Transduced
+from rig.beds.stack import Filling, nominal, refill
+from rig.catalog.entries import Rig
+from rig.drive.exciter import Demand, demand
+from rig.drive.waveform import Waveform, waveform
+from rig.instruments import Instruments, instruments
+from rig.plan import Lengths, Run, lengths, runs
+from rig.scene import Condition, Protocol
+from rig.stand import Stand
+
+PASS_BAND = 0.45
+"""Recorded band over the output rate: the anti-alias filter's pass band."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a worker hands the writer: a block of a run, with the ledger rows of the cycles simulated since the last."""
+
+    run: Run
+    block: Block
+    ledger: NDArray[np.float64]
+    demand: Demand | None = None
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A protocol with every choice made and nothing computed yet. Seeds hang on content: (seed, condition, repeat)."""
+
+    protocol: Protocol
+    text: str
+    rig: Rig
+    conditions: tuple[Condition, ...]
+    runs: tuple[Run, ...]
+    lengths: dict[str, Lengths]
+    instruments: Instruments
+
+    @classmethod
+    def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
+        """Resolve a protocol. Raises InputError for what does not fit together."""
+        conditions = protocol.conditions()
+        tools = instruments(conditions, rig, protocol.seed)
+        sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
+        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, tools)
+
+    @property
+    def rig_time(self) -> float:
+        """Seconds of motion that the whole protocol lasts."""
+        once = sum((c.acquire.settle + c.acquire.record) / c.drive.frequency for c in self.conditions)
+        return once * self.protocol.repeats.n
+
+    def motion(self, run: Run) -> Waveform:
+        """The motion that the servo reaches in a run, on the analyzer's clock."""
+        drive = run.condition.drive
+        rng = None if drive.imperfection == "none" else self._stream(run, "drive")
+        clock = 1.0 + self.instruments.clock_error
+        return waveform(drive, self.rig.level_error, self.rig.third_harmonic, rng, clock)
+
+    def filling(self, run: Run) -> Filling:
+        """The bed of a run: poured anew for each repeat, or the nominal one."""
+        scene = run.condition.scene
+        if not self.protocol.repeats.refill:
+            return nominal(scene, self.rig)
+        return refill(scene, self.rig, self._stream(run, "refill"))
+
+    def stand(self, run: Run) -> Stand:
+        """The stand at the start of a run, sampled at the analyzer's actual oversampled rate."""
+        rate = OVERSAMPLING * self.lengths[run.condition.id].rate * (1.0 + self.instruments.clock_error)
+        return Stand(run.condition.scene, self.rig, self.motion(run), self.filling(run), rate)
+
+    def demand(self, run: Run, stand: Stand) -> Demand:
+        """What the stand's latest cycles ask of the exciter, within the recorded band."""
+        band = PASS_BAND * self.lengths[run.condition.id].rate
+        return demand(self.rig.exciter, stand.latest_force, stand.rate, stand.motion, band)
+
+    def parts(self, run: Run) -> Iterator[Part]:
+        """A run, block by block: stand, transducers, front end."""
+        tools, size = self.instruments, self.lengths[run.condition.id]
+        stand = self.stand(run)
+        noise = [self._stream(run, channel.name) for channel in tools.channels]
+        front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise)
+        acquisition = Emulated(Transduced(stand, tools.states), front)
+        for number, samples in enumerate(size.blocks):
+            block = acquisition.read(samples)
+            last = number == len(size.blocks) - 1
+            yield Part(run, block, stand.drain_ledger(), self.demand(run, stand) if last else None)
+
+    def _stream(self, run: Run, word: str) -> np.random.Generator:
+        return stream(self.protocol.seed, run.condition.seed_key, str(run.repeat), word)

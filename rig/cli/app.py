@@ -1,0 +1,222 @@
+"""Commands over `rig.campaign`, one function each; exit 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Virtual test rig for particle dampers: run a protocol, read the records, compare with the model.",
+    epilog="Start with: rig init, then rig check protocol.yaml, then rig run protocol.yaml",
+)
+
+ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML).")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked.")
+]
+Varies = Annotated[
+    list[str] | None,
+    typer.Option("--vary", metavar="PATH=LIST", help="Replace or add one axis, e.g. scene.grains.fill=[0.5,0.9]."),
+]
+Seed = Annotated[int | None, typer.Option(help="Session seed instead of the protocol's.")]
+RigFile = Annotated[str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")]
+Json = Annotated[bool, typer.Option("--json", help="Print results as JSON and nothing else.")]
+Strict = Annotated[bool, typer.Option("--strict", help="An exciter beyond its limits is an error, before anything runs.")]
+
+
+@app.command()
+def run(
+    protocol: ProtocolFile,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder; default sessions/NAME.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, max=256, help="Threads; results do not depend on it.")] = None,
+    speed: Annotated[str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")] = "max",
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted session.")] = False,
+    seed: Seed = None,
+    rig: RigFile = None,
+    strict: Strict = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    set_: Sets = None,
+    vary: Varies = None,
+    json: Json = False,
+) -> None:
+    """Run every condition and repeat; write the session and its report.
+
+    Example: rig run protocols/fill_rate.yaml --workers 2
+    """
+    from rig.cli.jobs import run_protocol
+
+    campaign = _campaign(protocol, set_, vary, seed, rig)
+    folder = out if out is not None else Path("sessions") / campaign.protocol.name
+    raise typer.Exit(run_protocol(campaign, folder, workers, _speed(speed), resume, force, strict, json))
+
+
+@app.command()
+def check(
+    protocol: ProtocolFile, seed: Seed = None, rig: RigFile = None, strict: Strict = False,
+    set_: Sets = None, vary: Varies = None, json: Json = False,
+) -> None:  # fmt: skip
+    """Validate a protocol and look ahead: exciter use, ranges, disk, time, expected W and uncertainty.
+
+    Example: rig check protocols/fill_rate.yaml --set drive.acceleration="8 m/s^2"
+    """
+    from rig.cli.jobs import check_protocol
+
+    raise typer.Exit(check_protocol(_campaign(protocol, set_, vary, seed, rig), strict, json))
+
+
+@app.command()
+def model(
+    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file; default: the defaults.")] = None,
+    rig: RigFile = None, set_: Sets = None, vary: Varies = None, json: Json = False,
+) -> None:  # fmt: skip
+    """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
+
+    Example: rig model --set scene.grains.diameter="5 mm" --vary drive.acceleration=[2,4,6]
+    """
+    from rig.cli.jobs import model_table
+
+    model_table(_load(protocol or _DEFAULTS, set_, vary, None, rig), json)
+
+
+@app.command()
+def report(
+    session: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")],
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for the report; default: the session's.")] = None,
+    json: Json = False,
+) -> None:  # fmt: skip
+    """Analyse recorded sessions again, from the records alone.
+
+    Example: rig report sessions/fill_rate
+    """
+    from rig.cli.jobs import report_sessions
+
+    raise typer.Exit(report_sessions(session, out, json))
+
+
+@app.command()
+def info(
+    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")], json: Json = False
+) -> None:
+    """Show what is in a session: conditions, completeness, flags, channels, provenance.
+
+    Example: rig info sessions/fill_rate
+    """
+    from rig.cli.jobs import session_info
+
+    session_info(session, json)
+
+
+@app.command()
+def calibrate(
+    protocol: ProtocolFile,
+    target: Annotated[float, typer.Option(help="Offset of the energy-weighted ratio that the losses shall cause.")],
+    out: Annotated[Path, typer.Option(metavar="RIG.yaml", help="Rig file to write.")],
+    seed: Seed = None, rig: RigFile = None, set_: Sets = None, vary: Varies = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False, json: Json = False,
+) -> None:  # fmt: skip
+    """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological sense).
+
+    Example: rig calibrate protocols/density.yaml --target 0.07 --out my_rig.yaml
+    """
+    from rig.cli.jobs import calibrate_rig
+
+    calibrate_rig(_campaign(protocol, set_, vary, seed, rig), target, out, force, json)
+
+
+@app.command()
+def init(
+    path: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write.")] = Path("protocol.yaml"),
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a commented protocol to start from.
+
+    Example: rig init my_test.yaml
+    """
+    from rig.cli.files import write_new
+    from rig.protocol import protocol_template
+
+    write_new(path, protocol_template(), force)
+    typer.echo(f"Wrote {path}. Next: rig check {path}")
+
+
+@app.command()
+def catalog(
+    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="material, exciter, transducer, analyzer or rig.")] = "",
+    json: Json = False,
+) -> None:
+    """List materials, exciters, transducers, analyzers and rigs, every value with its status and source.
+
+    Example: rig catalog exciter
+    """
+    from rig.cli.jobs import catalog_table
+
+    catalog_table(kind, json)
+
+
+_DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
+
+
+def _load(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None):  # type: ignore[no-untyped-def]
+    from rig.protocol import read_protocol
+
+    return read_protocol(source, sets or (), varies or (), seed, rig)
+
+
+def _campaign(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None):  # type: ignore[no-untyped-def]
+    from rig.campaign import Campaign
+    from rig.catalog import load_rig
+
+    loaded = _load(source, sets, varies, seed, rig)
+    return Campaign.of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
+
+
+def _speed(text: str) -> float | None:
+    from rig.errors import InputError, Mistake
+
+    if text == "max":
+        return None
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = float("nan")
+    if not 0.0 < speed < float("inf"):
+        raise InputError(Mistake("--speed", "", repr(text), "max, 1, or a positive number"))
+    return speed
+
+
+def main() -> None:
+    """Run the command line; messages of known errors, never a traceback."""
+    from rig.errors import InputError
+
+    try:
+        app()
+    except InputError as error:
+        sys.exit(_fail(str(error), 2))
+    except KeyboardInterrupt:
+        sys.exit(_fail("interrupted; what was recorded is kept, --resume goes on", 3))
+    except Exception as error:
+        code = _known(error)
+        if code is None:
+            raise
+        sys.exit(_fail(str(error), code))
+
+
+def _known(error: Exception) -> int | None:
+    """Exit code of the errors that are a user's to mend: files (2), a rig that is late (3)."""
+    from analysis import AnalysisError
+    from daq.clock import Overrun
+    from daq.session import SessionError
+
+    if isinstance(error, Overrun):
+        return 3
+    return 2 if isinstance(error, SessionError | AnalysisError | OSError) else None
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"rig: {message}", file=sys.stderr)
+    return code
