@@ -6,7 +6,7 @@ import numpy as np
 
 from daq.block import Block, Flag
 from daq.fir import DELAY, OVERSAMPLING
-from daq.frontend import BLOCK, Codes, FrontEnd
+from daq.frontend import Codes, FrontEnd
 from daq.source import AnalogSource
 
 __all__ = ["Acquisition", "Emulated"]
@@ -66,8 +66,8 @@ class Emulated:
             raise ValueError(f"{n} samples were asked for")
         parts, have = [self._ahead], self._ahead.shape[1]
         while have < n:
-            parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * BLOCK)))
-            have += BLOCK
+            parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * self._frontend.block)))
+            have += self._frontend.block
         codes = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
         self._ahead = codes[:, n:].copy()
         return self._block(codes[:, :n])

@@ -14,7 +14,7 @@ from daq.source import FloatArray
 
 __all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "NotFinite", "noise_volts"]
 
-BLOCK = 5120  # output samples per internal block; fixed, so that no result depends on how a record is read
+BLOCK = 5120  # most output samples per internal block
 FILTER_DELAY = DELAY - 0.5 / OVERSAMPLING  # samples; output n is centred at drive time (n - FILTER_DELAY) / rate
 
 Codes = npt.NDArray[np.int32]
@@ -40,10 +40,17 @@ def noise_volts(channel: Channel, analyzer: AnalyzerSpec, state: ChannelState, r
     return math.hypot(sensor, analyzer.noise_in_band(channel.range_V, rate))
 
 
+def block_size(samples: int) -> int:
+    """Smallest block that covers `samples` in as few blocks of at most BLOCK as possible."""
+    return math.ceil(samples / math.ceil(samples / BLOCK))
+
+
 class FrontEnd:
     """Volts at the oversampled rate become codes at the output rate, block by block, for all channels.
 
     rate: output rate in Hz. noise: one generator per channel; a channel without noise draws nothing from it.
+    samples: how many will be read in all, where that is known: the internal blocks are then cut so that hardly any
+    are computed for nothing. Blocks have one size from start to end, so that no result depends on how a record is read.
     """
 
     def __init__(
@@ -53,6 +60,7 @@ class FrontEnd:
         states: Sequence[ChannelState],
         rate: float,
         noise: Sequence[np.random.Generator],
+        samples: int = BLOCK,
     ) -> None:
         if analyzer.oversampling != OVERSAMPLING:
             raise ValueError(f"the anti-alias filter oversamples {OVERSAMPLING} times, not {analyzer.oversampling}")
@@ -68,12 +76,13 @@ class FrontEnd:
             sigma = noise_volts(channel, analyzer, state, rate)
             self._converters.append(Converter(state.gain / code, sigma / code, self.lowest, self.highest))
         self._noise = tuple(noise)
-        self._decimators = [Decimator(BLOCK) for _ in channels]
-        self._gauss = np.zeros(BLOCK)
+        self.block = block_size(samples)
+        self._decimators = [Decimator(self.block) for _ in channels]
+        self._gauss = np.zeros(self.block)
 
     def convert(self, volts: FloatArray) -> Codes:
-        """Codes (channels, BLOCK) of the next volts (channels, 8 BLOCK); the array belongs to the caller. NotFinite."""
-        codes = np.empty((len(self._converters), BLOCK), dtype=np.int32)
+        """Codes (channels, block) of the next volts (channels, 8 block); the array belongs to the caller. NotFinite."""
+        codes = np.empty((len(self._converters), self.block), dtype=np.int32)
         for row, converter in enumerate(self._converters):
             filtered = self._decimators[row].push(volts[row])
             if not np.isfinite(filtered).all():

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from daq.block import Block, Flag
 from daq.hdf5_flags import clear_consistency_flags
-from daq.session_hdf5 import dataset, open_file, read_rows, write_rows
+from daq.session_hdf5 import dataset, open_file, write_rows
 from daq.session_layout import build_session
 from daq.session_plan import RunInfo, RunPlan, SessionError, SessionPlan, Signal, block_dtype, status_dtype
 from daq.session_record import Record, Truth, open_session
@@ -36,7 +36,7 @@ class Recorder:
         self._index = {name: position for position, name in enumerate(self._infos)}
         self._channels = tuple(self._record.channels)
         self._scalar_names: tuple[str, ...] = tuple(self._record.document("scalars"))
-        self._rows = read_rows(dataset(file, "session/status"), status_dtype, 0, len(self._infos))
+        self._rows = self._record.status_rows
         self._open: dict[str, Any] = {}
 
     @classmethod

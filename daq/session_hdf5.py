@@ -6,6 +6,7 @@ unwritten samples, which the status table does not count.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -85,8 +86,7 @@ def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], c
     layout.set_fill_time(h5d.FILL_TIME_NEVER if chunk else h5d.FILL_TIME_ALLOC)
     if chunk:
         layout.set_chunk((chunk,))
-    kind = h5t.py_create(np.dtype(dtype))
-    return h5d.create(owner, name.encode(), kind, h5s.create_simple(shape), layout)
+    return h5d.create(owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), layout)
 
 
 def has(file: Any, path: str) -> bool:
@@ -94,7 +94,10 @@ def has(file: Any, path: str) -> bool:
     place, links = "", file.id.links
     for name in path.split("/"):
         place += "/" + name
-        if not links.exists(place.encode()) or links.get_info(place.encode()).type != h5l.TYPE_HARD:
+        try:
+            if links.get_info(place.encode()).type != h5l.TYPE_HARD:
+                return False
+        except (RuntimeError, KeyError):
             return False
     return True
 
@@ -118,7 +121,7 @@ def read_rows(source: Any, dtype: npt.DTypeLike, start: int, stop: int) -> npt.N
     if rows.size:
         space = source.get_space()
         space.select_hyperslab((start, *(0 for _ in source.shape[1:])), rows.shape[: source.rank])
-        source.read(h5s.create_simple(rows.shape[: source.rank]), space, rows, h5t.py_create(rows.dtype))
+        source.read(h5s.create_simple(rows.shape[: source.rank]), space, rows, _memory_type(rows.dtype))
     return rows
 
 
@@ -126,7 +129,7 @@ def write_rows(target: Any, start: int, rows: npt.NDArray[Any]) -> None:
     """Write rows from `start` on and hand them to the operating system, so that they outlive this process."""
     space = target.get_space()
     space.select_hyperslab((start, *(0 for _ in rows.shape[1:])), rows.shape)
-    target.write(h5s.create_simple(rows.shape), space, rows)
+    target.write(h5s.create_simple(rows.shape), space, rows, _memory_type(rows.dtype))
     target.flush()
 
 
@@ -152,6 +155,12 @@ def _decoded(value: Any) -> Any:
     if isinstance(value, np.ndarray) and value.dtype.kind in "SO":
         return tuple(_decoded(entry) for entry in value.tolist())
     return value
+
+
+@lru_cache
+def _memory_type(dtype: np.dtype[Any]) -> Any:
+    """The HDF5 type of a numpy one; making it anew costs more than writing a row."""
+    return h5t.py_create(dtype)
 
 
 def _text_type(texts: npt.NDArray[np.bytes_]) -> Any:

@@ -43,6 +43,8 @@ def open_session(path: Path | str) -> "Record":
 class Record:
     """A session as the analysis sees it; `open_session` or `Recorder.record` gives one. Any thread may read.
 
+    `status_rows` is the status table as last read; a recorder keeps its own record's up to date.
+
     Raises SessionError for anything that the file does not hold as it should. Only hard links are followed, so that a
     foreign file cannot point the reader at other files.
     """
@@ -62,7 +64,8 @@ class Record:
             self._plans = {str(row["name"]): RunPlan(**row) for row in self._json("session/runs")}
             self._index = {name: position for position, name in enumerate(self._plans)}
             self._scalar_names = tuple(str(name) for name in self._json("session/scalars"))
-            if dataset(file, "session/status").shape != (len(self._plans),):
+            self.status_rows = self.rows("session/status", status_dtype, 0)
+            if self.status_rows.shape != (len(self._plans),):
                 raise SessionError(f"{path} is damaged: its status table does not match its list of runs")
 
     def __enter__(self) -> "Record":
@@ -81,12 +84,13 @@ class Record:
     @property
     def runs(self) -> tuple[RunInfo, ...]:
         """All runs in the order of the plan, with what is valid now."""
-        rows = self.rows("session/status", status_dtype, 0, len(self._plans))
+        rows = self.rows("session/status", status_dtype, 0) if self._live else self.status_rows
         return tuple(_run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
 
     def run(self, name: str) -> RunInfo:
         """One run, with what is valid now."""
-        return _run_info(self._plans[name], self._status(name))
+        status = self._status(name)  # refuses unknown names
+        return _run_info(self._plans[name], status)
 
     @property
     def complete(self) -> bool:
@@ -188,7 +192,9 @@ class Record:
         if run not in self._index:
             raise SessionError(f"{self._path} has no run {run!r}")
         index = self._index[run]
-        return self.rows("session/status", status_dtype, index, index + 1)[0]
+        if self._live:
+            return self.rows("session/status", status_dtype, index, index + 1)[0]
+        return self.status_rows[index]
 
     def _blocks(self, run: str, status: Any) -> npt.NDArray[np.void]:
         return self.rows(f"{run}/blocks", block_dtype(len(self.channels)), 0, int(status["blocks"]))

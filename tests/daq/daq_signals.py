@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.channel import AnalyzerSpec, Channel, ChannelState, ideal_analyzer, ideal_transducer
-from daq.frontend import FrontEnd
+from daq.frontend import BLOCK, FrontEnd
 
 RATE = 10240.0
 OVERSAMPLED = 8 * RATE
@@ -21,11 +21,11 @@ class Analytic:
         self.names = tuple("ab"[: len(rows)])
         self.rate = rate
         self._rows = rows
-        self._next = 0
+        self.taken = 0
 
     def read(self, n: int) -> npt.NDArray[np.float64]:
-        index = np.arange(self._next, self._next + n, dtype=float)
-        self._next += n
+        index = np.arange(self.taken, self.taken + n, dtype=float)
+        self.taken += n
         return np.stack([row(index) for row in self._rows])
 
     volts = read
@@ -44,13 +44,13 @@ def constant(value: float) -> Callable[[npt.NDArray[np.float64]], npt.NDArray[np
     return lambda index: np.full_like(index, value)
 
 
-def channels(count: int, range_V: float = 10.0) -> tuple[Channel, ...]:
-    return tuple(Channel(name, ideal_transducer("force"), range_V, "", "+x") for name in "ab"[:count])
+def channels(count: int) -> tuple[Channel, ...]:
+    return tuple(Channel(name, ideal_transducer("force"), 10.0, "", "+x") for name in "ab"[:count])
 
 
 def front_end(
-    count: int = 1, analyzer: AnalyzerSpec | None = None, gain: float = 1.0, seed: int = 0, range_V: float = 10.0
+    count: int = 1, analyzer: AnalyzerSpec | None = None, gain: float = 1.0, seed: int = 0, samples: int = BLOCK
 ) -> FrontEnd:
     states = [ChannelState(1.0, None, gain)] * count
     noise = [np.random.default_rng((seed, row)) for row in range(count)]
-    return FrontEnd(analyzer or ideal_analyzer(), channels(count, range_V), states, RATE, noise)
+    return FrontEnd(analyzer or ideal_analyzer(), channels(count), states, RATE, noise, samples)

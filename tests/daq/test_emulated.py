@@ -10,7 +10,7 @@ from scipy import signal
 from daq.acquisition import Emulated
 from daq.block import Flag
 from daq.fir import STAGE1, STAGE2
-from daq.frontend import BLOCK
+from daq.frontend import BLOCK, block_size
 from daq.source import AnalogSource, PhysicalSource
 
 
@@ -58,3 +58,24 @@ def test_the_waists_are_protocols() -> None:
     source = Analytic(constant(0.0))
     assert isinstance(source, PhysicalSource)
     assert isinstance(source, AnalogSource)
+
+
+@given(samples=st.integers(1, 10**6))
+def test_internal_blocks_are_full_but_for_less_than_one_sample_each(samples: int) -> None:
+    size = block_size(samples)
+    blocks = -(-samples // size)
+    assert size <= BLOCK
+    assert blocks == -(-samples // BLOCK)
+    assert 0 <= blocks * size - samples < blocks
+
+
+def test_a_source_is_read_no_further_than_needed() -> None:
+    source = Analytic(tone(1.0, 0.01))
+    acquisition = Emulated(source, front_end(samples=25639))
+    for size in (5159, 20480):
+        acquisition.read(size)
+    assert source.taken <= 8 * (25639 + 6)
+    whole = Emulated(Analytic(tone(1.0, 0.01)), front_end()).read(25639)
+    np.testing.assert_array_equal(
+        Emulated(Analytic(tone(1.0, 0.01)), front_end(samples=25639)).read(25639).codes, whole.codes
+    )
