@@ -155,8 +155,10 @@ class Recorder:
     def close(self) -> None:
         """Close the file and let other writers at it; again is harmless."""
         self._open.clear()
-        self._file.close()
-        self._lock.release()
+        try:
+            self._file.close()
+        finally:
+            self._lock.release()
 
     def _row(self, run: str) -> Any:
         if run not in self._index:

@@ -9,7 +9,18 @@ import numpy.typing as npt
 
 from daq.channel import ChannelInfo
 
-__all__ = ["SCHEMA", "RunInfo", "RunPlan", "SessionError", "SessionPlan", "Signal", "block_dtype", "status_dtype"]
+__all__ = [
+    "CHUNK",
+    "SCHEMA",
+    "RunInfo",
+    "RunPlan",
+    "SessionError",
+    "SessionPlan",
+    "Signal",
+    "block_dtype",
+    "run_info",
+    "status_dtype",
+]
 
 SCHEMA = "rig/session/1"
 
@@ -105,3 +116,12 @@ def block_dtype(channels: int) -> np.dtype[np.void]:
     return np.dtype(
         [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", per_channel), ("clipped", "<u4", per_channel)]
     )
+
+
+def run_info(plan: RunPlan, status: Any) -> RunInfo:
+    """A run from its plan (with its own rate) and its row of the status table."""
+    return RunInfo(
+        name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
+        samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),
+        flags=int(status["flags"]), planned=plan.samples, rate=float(plan.rate or 0.0), t0=plan.t0, title=plan.title,
+    )  # fmt: skip

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from daq.channel import ChannelInfo
 from daq.session_hdf5 import dataset, has, open_for_reading, read_attributes, read_rows, read_text
-from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, status_dtype
+from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, run_info, status_dtype
 
 __all__ = ["Record", "Truth", "open_session"]
 
@@ -85,12 +85,12 @@ class Record:
     def runs(self) -> tuple[RunInfo, ...]:
         """All runs in the order of the plan, with what is valid now."""
         rows = self.rows("session/status", status_dtype, 0) if self._live else self.status_rows
-        return tuple(_run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
+        return tuple(run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
 
     def run(self, name: str) -> RunInfo:
         """One run, with what is valid now."""
         status = self._status(name)  # refuses unknown names
-        return _run_info(self._plans[name], status)
+        return run_info(self._plans[name], status)
 
     @property
     def complete(self) -> bool:
@@ -229,14 +229,6 @@ class Truth:
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""
         return self._record.json_or_none(f"session/truth/{name}")
-
-
-def _run_info(plan: RunPlan, status: Any) -> RunInfo:
-    return RunInfo(
-        name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
-        samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),
-        flags=int(status["flags"]), planned=plan.samples, rate=float(plan.rate or 0.0), t0=plan.t0, title=plan.title,
-    )  # fmt: skip
 
 
 def _channel_info(attributes: Mapping[str, Any]) -> ChannelInfo:
