@@ -1,12 +1,18 @@
 """Commands over `rig.campaign`, one function each; exit 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
 
-import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rig.cli.errors import Commands
+
+if TYPE_CHECKING:
+    from rig.campaign import Campaign
+    from rig.protocol import LoadedProtocol
+
 app = typer.Typer(
+    cls=Commands,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -161,13 +167,13 @@ def catalog(
 _DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
 
 
-def _load(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None):  # type: ignore[no-untyped-def]
+def _load(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None) -> "LoadedProtocol":
     from rig.protocol import read_protocol
 
     return read_protocol(source, sets or (), varies or (), seed, rig)
 
 
-def _campaign(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None):  # type: ignore[no-untyped-def]
+def _campaign(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None) -> "Campaign":
     from rig.campaign import Campaign
     from rig.catalog import load_rig
 
@@ -190,33 +196,5 @@ def _speed(text: str) -> float | None:
 
 
 def main() -> None:
-    """Run the command line; messages of known errors, never a traceback."""
-    from rig.errors import InputError
-
-    try:
-        app()
-    except InputError as error:
-        sys.exit(_fail(str(error), 2))
-    except KeyboardInterrupt:
-        sys.exit(_fail("interrupted; what was recorded is kept, --resume goes on", 3))
-    except Exception as error:
-        code = _known(error)
-        if code is None:
-            raise
-        sys.exit(_fail(str(error), code))
-
-
-def _known(error: Exception) -> int | None:
-    """Exit code of the errors that are a user's to mend: files (2), a rig that is late (3)."""
-    from analysis import AnalysisError
-    from daq.clock import Overrun
-    from daq.session import SessionError
-
-    if isinstance(error, Overrun):
-        return 3
-    return 2 if isinstance(error, SessionError | AnalysisError | OSError) else None
-
-
-def _fail(message: str, code: int) -> int:
-    print(f"rig: {message}", file=sys.stderr)
-    return code
+    """Run the command line."""
+    app()

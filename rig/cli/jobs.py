@@ -212,7 +212,7 @@ def catalog_table(kind: str, as_json: bool) -> None:
         raise InputError(Mistake("rig catalog", "kind", repr(kind), ", ".join(KINDS), nearest(kind, KINDS)))
     rows = [row for row in listing() if kind in ("", row.kind)]
     if as_json:
-        print_json([asdict(row) for row in rows])
+        print_json([row._asdict() for row in rows])
         return
     lines = [
         (row.kind, row.name, row.field, number(row.value, 6), row.unit, row.status, row.source) for row in rows

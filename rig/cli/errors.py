@@ -1,0 +1,43 @@
+"""Errors a user can mend become one clear message and an exit code; anything else is a defect and keeps its traceback."""
+
+import sys
+from typing import Any
+
+from typer.core import TyperGroup
+
+BAD_INPUT, INTERRUPTED = 2, 3
+
+
+class Commands(TyperGroup):
+    """The command group: the one place where errors turn into exit codes."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Call the command; exit 2 for bad input, 3 where it was interrupted or could not keep its pace."""
+        from rig.errors import InputError
+
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            sys.exit(_fail(str(error), BAD_INPUT))
+        except KeyboardInterrupt:
+            sys.exit(_fail("interrupted; what was recorded is kept, rig run --resume goes on", INTERRUPTED))
+        except Exception as error:
+            code = _known(error)
+            if code is None:
+                raise
+            sys.exit(_fail(str(error), code))
+
+
+def _known(error: Exception) -> int | None:
+    from analysis import AnalysisError
+    from daq.clock import Overrun
+    from daq.session import SessionError
+
+    if isinstance(error, Overrun):
+        return INTERRUPTED
+    return BAD_INPUT if isinstance(error, SessionError | AnalysisError | OSError) else None
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"rig: {message}", file=sys.stderr)
+    return code
