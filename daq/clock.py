@@ -10,10 +10,12 @@ class Overrun(Exception):
     """The rig could not keep up with the wall clock. `late`: seconds beyond the deadline of `sample_index`."""
 
     def __init__(self, sample_index: int, late: float, margin: float) -> None:
-        self.sample_index = sample_index
-        self.late = late
-        super().__init__(
-            f"sample {sample_index} came {late:.3f} s after its time, more than the {margin:g} s allowed; "
+        super().__init__(sample_index, late, margin)
+        self.sample_index, self.late, self.margin = sample_index, late, margin
+
+    def __str__(self) -> str:
+        return (
+            f"sample {self.sample_index} came {self.late:.3f} s after its time, more than the {self.margin:g} s allowed; "
             "choose a slower speed, or max"
         )
 

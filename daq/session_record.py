@@ -120,6 +120,14 @@ class Record:
         with self.readable():
             return read_text(dataset(self._file, "session/protocol_text"))
 
+    @cached_property
+    def ledger_columns(self) -> tuple[str, ...]:
+        """Column names of the ledgers, the same for every run; empty for a record without truth or runs."""
+        for run in self._plans:
+            if has(self._file, f"{run}/truth/ledger"):
+                return tuple(str(name) for name in self.attributes(f"{run}/truth/ledger")["columns"])
+        return ()
+
     @property
     def truth(self) -> "Truth | None":
         """What only a simulation can know; None for records without it."""
@@ -224,7 +232,7 @@ class Truth:
     def ledger(self, run: str) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
         """Column names and the ledger, (cycles, columns), J per cycle counted from drive time 0."""
         path = f"{self._record.run(run).name}/truth/ledger"
-        return tuple(self._record.attributes(path)["columns"]), self._record.rows(path, "<f8", 0)
+        return self._record.ledger_columns, self._record.rows(path, "<f8", 0)
 
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""

@@ -71,8 +71,30 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
     """Both tiers of W_T and the bound for one condition on an exact sine at the set acceleration."""
     scene, drive = condition.scene, condition.drive
     bed = stack(scene, rig, nominal(scene, rig))
+    return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
+
+
+def predict_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
+    """As `predict`, with W_T, W_f and W_c (J) at levels about the set acceleration (m/s^2) beside it.
+
+    The table is how W_T is read at the measured acceleration: plain numbers that another model's may replace.
+    """
+    scene, drive = condition.scene, condition.drive
+    bed = stack(scene, rig, nominal(scene, rig))
+    levels = [drive.acceleration * level for level in LEVELS]
+    totals = [closed(scene, bed, level, drive.frequency) for level in levels]
+    table = {
+        "acceleration": levels,
+        "W_T": [total.total for total in totals],
+        "W_f": [total.friction for total in totals],
+        "W_c": [total.collision for total in totals],
+    }
+    return _prediction(condition, rig, bed, totals[LEVELS.index(1.0)]), table
+
+
+def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Prediction:
+    scene, drive = condition.scene, condition.drive
     velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
-    total = closed(scene, bed, drive.acceleration, drive.frequency, cycles)
     has_grains = scene.bed in ("layers", "locked")
     mass = bed_mass(scene, rig.packing_shaken) if has_grains else 0.0
     return Prediction(
@@ -88,17 +110,3 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
         period=total.period,
         periodic_share=total.periodic_share,
     )
-
-
-def curve(condition: Condition, rig: Rig) -> dict[str, list[float]]:
-    """W_T, W_f and W_c (J) near the set acceleration (m/s^2): plain numbers to be read at the measured one."""
-    scene, drive = condition.scene, condition.drive
-    bed = stack(scene, rig, nominal(scene, rig))
-    levels = [drive.acceleration * level for level in LEVELS]
-    totals = [closed(scene, bed, level, drive.frequency) for level in levels]
-    return {
-        "acceleration": levels,
-        "W_T": [total.total for total in totals],
-        "W_f": [total.friction for total in totals],
-        "W_c": [total.collision for total in totals],
-    }

@@ -9,7 +9,7 @@ from typing import Any
 from daq.channel import AnalyzerSpec
 from daq.seeds import stream
 from rig.catalog.entries import Rig
-from rig.model import NUMERICAL_ERROR, Prediction, curve, predict
+from rig.model import NUMERICAL_ERROR, Prediction, predict_about
 from rig.scene import Condition, Protocol
 
 BLOCK = 16384
@@ -67,7 +67,7 @@ def predictions(
     """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one."""
     wanted = tuple(conditions)
     with ThreadPoolExecutor(workers) as pool:
-        found = pool.map(lambda condition: (predict(condition, rig), curve(condition, rig)), wanted)
+        found = pool.map(lambda condition: predict_about(condition, rig), wanted)
         return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
 
 

@@ -90,7 +90,7 @@ class Campaign:
         tools, size = self.instruments, self.lengths[run.condition.id]
         stand = self.stand(run)
         noise = [self._stream(run, channel.name) for channel in tools.channels]
-        front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise)
+        front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
         acquisition = Emulated(Transduced(stand, tools.states), front)
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)

@@ -1,60 +1,103 @@
-"""Workers that compute runs and never see a file: parts of runs through a bounded queue, whatever their number."""
+"""Worker processes that compute runs and never see a file: parts of runs through a bounded queue, whatever their number.
 
+Processes and not threads: the work is many short array operations, which one interpreter lock would serialise
+(docs/decisions/0002-worker-processes.md).
+"""
+
+import multiprocessing
+import os
 import queue
-import threading
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from typing import Any
 
-from daq.clock import Pacer
+from daq.clock import Overrun, Pacer
 from rig.campaign.setup import Campaign, Part
+from rig.errors import InputError
 from rig.plan import Run
 
 QUEUED_PARTS = 4
 """Parts of runs per worker that may wait for the writer."""
 
+POLL = 0.5
+"""Seconds between looks whether the other side still lives."""
 
-def computed(campaign: Campaign, waiting: list[Run], workers: int, speed: float | None) -> Iterator[Part]:
-    """Parts of runs as workers deliver them; each run's parts in order. An error of a worker is raised here."""
-    todo: queue.SimpleQueue[Run] = queue.SimpleQueue()
-    for run in waiting:
-        todo.put(run)
-    ready: queue.Queue[Part | BaseException | None] = queue.Queue(maxsize=QUEUED_PARTS * workers)
-    stop = threading.Event()
 
-    def deliver(item: Part | BaseException | None) -> None:
-        while not stop.is_set():
-            with suppress(queue.Full):
-                ready.put(item, timeout=0.1)
-                return
+class WorkerLost(Exception):
+    """The worker processes were ended from outside."""
 
-    def work() -> None:
-        try:
-            while not stop.is_set():
-                run = todo.get_nowait()
-                pacer = Pacer(campaign.lengths[run.condition.id].rate, speed)
-                for part in campaign.parts(run):
-                    pacer.wait(part.block.start + part.block.count)
-                    deliver(part)
-                    if stop.is_set():
-                        return
-        except queue.Empty:
-            deliver(None)
-        except BaseException as error:  # noqa: BLE001  handed to the calling thread, which raises it
-            deliver(error)
 
-    with ThreadPoolExecutor(workers, "rig") as pool:
-        try:
-            for _ in range(workers):
-                pool.submit(work)
-            idle = 0
-            while idle < workers:
-                item = ready.get()
-                if isinstance(item, BaseException):
-                    raise item
-                if item is None:
-                    idle += 1
-                else:
-                    yield item
-        finally:
-            stop.set()
+class WorkerFailed(RuntimeError):
+    """A defect: the message holds the worker's traceback."""
+
+
+def computed(campaign: Campaign, waiting: Sequence[Run], workers: int, speed: float | None) -> Iterator[Part]:
+    """Parts of runs as workers deliver them; each run's parts in order. A worker's error is raised here.
+
+    Leaving the iteration early ends the workers.
+    """
+    context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    ready = context.Queue(maxsize=QUEUED_PARTS * workers)
+    following = context.Value("q", 0)
+    processes = [
+        context.Process(target=_work, args=(campaign, waiting, following, ready, speed), daemon=True)  # type: ignore[attr-defined]
+        for _ in range(min(workers, len(waiting)))
+    ]
+    for process in processes:
+        process.start()
+    try:
+        idle = 0
+        while idle < len(processes):
+            try:
+                item = ready.get(timeout=POLL)
+            except queue.Empty:
+                if not any(process.is_alive() for process in processes) and ready.empty():
+                    raise WorkerLost("the workers were ended from outside; rig run --resume goes on") from None
+                continue
+            if isinstance(item, BaseException):
+                raise item
+            if item is None:
+                idle += 1
+            else:
+                yield item
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.join()
+
+
+def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any, speed: float | None) -> None:
+    """One worker: the next run in order, until none is left."""
+    try:
+        while True:
+            with following.get_lock():
+                number = following.value
+                following.value += 1
+            if number >= len(waiting):
+                break
+            run = waiting[number]
+            pacer = Pacer(campaign.lengths[run.condition.id].rate, speed)
+            for part in campaign.parts(run):
+                pacer.wait(part.block.start + part.block.count)
+                _deliver(ready, part)
+        _deliver(ready, None)
+    except KeyboardInterrupt:
+        os._exit(1)
+    except (InputError, Overrun) as error:
+        _deliver(ready, error)
+    except Exception:  # noqa: BLE001  handed to the calling process, which raises it
+        _deliver(ready, WorkerFailed(traceback.format_exc()))
+
+
+def _deliver(ready: Any, item: Part | BaseException | None) -> None:
+    """Wait for room; end with the calling process, whose lock on the session this process would otherwise keep."""
+    parent = multiprocessing.parent_process()
+    while True:
+        with suppress(queue.Full):
+            ready.put(item, timeout=POLL)
+            return
+        if parent is not None and not parent.is_alive():
+            os._exit(1)

@@ -32,8 +32,9 @@ def _known(error: Exception) -> int | None:
     from analysis import AnalysisError
     from daq.clock import Overrun
     from daq.session import SessionError
+    from rig.campaign.workers import WorkerLost
 
-    if isinstance(error, Overrun):
+    if isinstance(error, Overrun | WorkerLost):
         return INTERRUPTED
     return BAD_INPUT if isinstance(error, SessionError | AnalysisError | OSError) else None
 
