@@ -1,5 +1,7 @@
 """Bed `layers` in servo drive: every row exact between events, steady rows replayed from their own period."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from rig.beds.bed import Array, Reaction
@@ -32,6 +34,7 @@ class Layers:
         self._play = np.ascontiguousarray(play).ravel()
         rows = self._play.size
         self._riding_mass = stack.mass - stack.row_mass * rows
+        self._velocity = _Velocity(np.zeros(0), np.zeros(0))
         self._state = np.zeros((rows, 3))
         self._memory = (
             np.zeros(rows, np.int64),
@@ -57,26 +60,37 @@ class Layers:
 
     def advance(self, cycles: int) -> Reaction:
         """The next whole cycles of the drive. Raises InputError where a row has more events than can be followed."""
-        motion = self._sampling.motion
-        velocity = self._sampling.edges(self._cycles, cycles).velocity[1:]
+        motion, mass = self._sampling.motion, self._stack.row_mass
+        unit = motion.velocity_unit
+        velocity = self._sampling.edges(self._cycles, cycles).velocity
+        if self._velocity.box is not velocity:
+            self._velocity = _Velocity(velocity, velocity[1:] / unit)
         band, *tables = self._tables
         momentum, ledger, complete = follow(
-            self._cycles, cycles, float(self._sampling.edges_per_cycle), velocity / motion.velocity_unit, self._layer,
-            self._play, self._stack.restitution, band, *tables, *self._coefficients, self._state, *self._memory,
+            self._cycles, cycles, float(self._sampling.edges_per_cycle), self._velocity.scaled,
+            self._riding_mass / mass if mass else 0.0, mass * unit, self._layer, self._play, self._stack.restitution,
+            band, *tables, *self._coefficients, self._state, *self._memory,
         )  # fmt: skip
         if not complete:
             raise too_many_events(self._stack)
         self._cycles += cycles
-        mass, unit = self._stack.row_mass, motion.velocity_unit
         energy: Array = mass * unit**2 * ledger
         return Reaction(
-            momentum=mass * unit * momentum + self._riding_mass * velocity,
+            momentum=momentum,
             work=energy[:, 0],
             friction=energy[:, 1],
             collision=energy[:, 2],
             viscous=np.zeros(cycles),
             kinetic=energy[:, 3] + 0.5 * self._riding_mass * motion.start_velocity**2,
         )
+
+
+@dataclass(frozen=True)
+class _Velocity:
+    """Box velocity at some edges, m/s, and without the edge before them in units of the waveform."""
+
+    box: Array
+    scaled: Array
 
 
 def too_many_events(stack: Stack) -> InputError:

@@ -4,16 +4,16 @@ The calling thread writes what the workers compute and analyses each run as soon
 not grow with the length of a record and nothing depends on the number of workers.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from analysis import RunEnergy, read_session, run_energy, write_report
-from daq.session import Recorder
+from daq.session import Recorder, open_session
 from rig.campaign.session import session_plan
-from rig.campaign.setup import Campaign
-from rig.campaign.workers import computed
+from rig.campaign.setup import Campaign, Part
+from rig.campaign.workers import workers as started
 from rig.plan import Run
 
 
@@ -27,23 +27,55 @@ class Progress:
     energy: RunEnergy
 
 
-def execute(
+def run(
     campaign: Campaign,
-    recorder: Recorder,
-    workers: int,
+    out: Path,
+    workers: int = 2,
     speed: float | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
     progress: Callable[[Progress], None] = lambda _: None,
-) -> dict[str, RunEnergy]:
-    """Run everything that the recorder has not got yet; energies by run name, as read back from the record.
+) -> dict[str, Any]:
+    """The main job: run a campaign into `out`/session.h5 and write its report there; returns the report.
 
     `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
+    The workers are at it while the predictions are made and the session file is built.
     """
-    finished = recorder.completed()
-    waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
+    path = out / "session.h5"
+    resume = resume and path.exists()
+    waiting = _waiting(campaign, path if resume else None)
+    with started(campaign, waiting, workers if speed is None else 1, speed) as parts:
+        if resume:
+            recorder = Recorder.resume(path)
+        else:
+            plan = session_plan(campaign)
+            out.mkdir(parents=True, exist_ok=True)
+            recorder = Recorder.create(path, plan, overwrite)
+        with recorder:
+            energies = _record(campaign, recorder, parts, progress)
+            report = read_session(recorder.record(), energies)
+    write_report(report, out)
+    return report
+
+
+def _waiting(campaign: Campaign, path: Path | None) -> list[Run]:
+    """The runs that a session has not got yet, in order of execution."""
+    finished: set[str] = set()
+    if path is not None:
+        with open_session(path) as record:
+            finished = {run.name for run in record.runs if run.complete}
+    return sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
+
+
+def _record(
+    campaign: Campaign, recorder: Recorder, parts: Iterable[Part], progress: Callable[[Progress], None]
+) -> dict[str, RunEnergy]:
+    """Write what the workers compute; energies by run name, as read back from the record."""
     energies: dict[str, RunEnergy] = {}
     cycles: dict[str, int] = {}
     record = recorder.record()
-    for part in computed(campaign, waiting, workers if speed is None else 1, speed):
+    before = len(recorder.completed())
+    for part in parts:
         name = part.run.name
         recorder.append(name, part.block)
         acquire = part.run.condition.acquire
@@ -54,30 +86,5 @@ def execute(
         if part.demand is not None:
             recorder.finish(name, part.demand.scalars())
             energies[name] = run_energy(record, name)
-            done = len(finished) + len(energies)
-            progress(Progress(part.run, done, len(campaign.runs), energies[name]))
+            progress(Progress(part.run, before + len(energies), len(campaign.runs), energies[name]))
     return energies
-
-
-def run(
-    campaign: Campaign,
-    out: Path,
-    workers: int = 2,
-    speed: float | None = None,
-    resume: bool = False,
-    overwrite: bool = False,
-    progress: Callable[[Progress], None] = lambda _: None,
-) -> dict[str, Any]:
-    """The main job: run a campaign into `out`/session.h5 and write its report there; returns the report."""
-    path = out / "session.h5"
-    if resume and path.exists():
-        recorder = Recorder.resume(path)
-    else:
-        plan = session_plan(campaign, workers)
-        out.mkdir(parents=True, exist_ok=True)
-        recorder = Recorder.create(path, plan, overwrite)
-    with recorder:
-        energies = execute(campaign, recorder, workers, speed, progress)
-        report = read_session(recorder.record(), energies)
-    write_report(report, out)
-    return report

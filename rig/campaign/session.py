@@ -14,9 +14,9 @@ from rig.provenance import now, provenance
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 
-def session_plan(campaign: Campaign, workers: int) -> SessionPlan:
+def session_plan(campaign: Campaign) -> SessionPlan:
     """Everything that a session file holds except the samples."""
-    found = predictions(campaign.conditions, campaign.rig, workers)
+    found = predictions(campaign.conditions, campaign.rig, 1)
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [
         condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions

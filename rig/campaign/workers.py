@@ -10,7 +10,7 @@ import queue
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from daq.clock import Overrun, Pacer
@@ -18,7 +18,7 @@ from rig.campaign.setup import Campaign, Part
 from rig.errors import InputError
 from rig.plan import Run
 
-QUEUED_PARTS = 4
+QUEUED_PARTS = 24
 """Parts of runs per worker that may wait for the writer."""
 
 POLL = 0.5
@@ -33,40 +33,48 @@ class WorkerFailed(RuntimeError):
     """A defect: the message holds the worker's traceback."""
 
 
-def computed(campaign: Campaign, waiting: Sequence[Run], workers: int, speed: float | None) -> Iterator[Part]:
-    """Parts of runs as workers deliver them; each run's parts in order. A worker's error is raised here.
+@contextmanager
+def workers(campaign: Campaign, waiting: Sequence[Run], count: int, speed: float | None) -> Iterator[Iterator[Part]]:
+    """Start up to `count` workers on the waiting runs; gives their parts, each run's in order, and ends them after.
 
-    Leaving the iteration early ends the workers.
+    Start them before a session file is opened: a forked worker shares what is open then. A worker's error is raised
+    from the iteration.
     """
-    context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    ready = context.Queue(maxsize=QUEUED_PARTS * workers)
+    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    ready = context.Queue(maxsize=QUEUED_PARTS * count)
     following = context.Value("q", 0)
     processes = [
-        context.Process(target=_work, args=(campaign, waiting, following, ready, speed), daemon=True)  # type: ignore[attr-defined]
-        for _ in range(min(workers, len(waiting)))
+        context.Process(target=_work, args=(campaign, waiting, following, ready, speed), daemon=True)
+        for _ in range(min(count, len(waiting)))
     ]
+    if len(processes) > 1:
+        next(campaign.parts(waiting[0]))  # loads the compiled kernels once, for all forked workers
     for process in processes:
         process.start()
     try:
-        idle = 0
-        while idle < len(processes):
-            try:
-                item = ready.get(timeout=POLL)
-            except queue.Empty:
-                if not any(process.is_alive() for process in processes) and ready.empty():
-                    raise WorkerLost("the workers were ended from outside; rig run --resume goes on") from None
-                continue
-            if isinstance(item, BaseException):
-                raise item
-            if item is None:
-                idle += 1
-            else:
-                yield item
+        yield _received(processes, ready)
     finally:
         for process in processes:
             process.terminate()
         for process in processes:
             process.join()
+
+
+def _received(processes: Sequence[Any], ready: Any) -> Iterator[Part]:
+    idle = 0
+    while idle < len(processes):
+        try:
+            item = ready.get(timeout=POLL)
+        except queue.Empty:
+            if not any(process.is_alive() for process in processes) and ready.empty():
+                raise WorkerLost("the workers were ended from outside; rig run --resume goes on") from None
+            continue
+        if isinstance(item, BaseException):
+            raise item
+        if item is None:
+            idle += 1
+        else:
+            yield item
 
 
 def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any, speed: float | None) -> None:

@@ -82,20 +82,21 @@ def steady_energy(layer, play, restitution, band, counts, tables, regions, first
 
 @njit(cache=True, nogil=True)
 def follow(
-    first_cycle, cycles, edges_per_cycle, velocity, layer, play, restitution, band, counts, tables, regions, first, P, Q,
+    first_cycle, cycles, edges_per_cycle, velocity, riding_rows, scale, layer, play, restitution, band, counts, tables, regions, first, P, Q,
     state, period, recorded, history, stored_phase, stored_mode, stored_w, stored_offset, stored_ledger, stored_state,
 ):  # fmt: skip
-    """Advance rows of unit mass through whole cycles and give their total momentum at the sampling edges.
+    """Advance rows of unit mass through whole cycles and give their total momentum, times `scale`, at the sampling edges.
 
     Edge j lies at phase 2 pi j / edges_per_cycle from the start of the motion; the call covers the edges of its
     cycles and takes the box's velocity there, shape (edges,), units of the waveform. `state` (rows, 3) and the history and store arrays carry the rows from call to call. A row whose state
-    has recurred is replayed from its stored period. Returns momentum (edges,), a ledger (cycles, 4) of work on the
+    has recurred is replayed from its stored period. `riding_rows` more rows ride all the time. Returns momentum (edges,), a ledger (cycles, 4) of work on the
     rows, friction loss, collision loss and kinetic energy at the end of the cycle, and False where a row exceeds
     `MAX_EVENTS`.
     """
     origin = math.ceil(first_cycle * edges_per_cycle)
     step = np.zeros((velocity.shape[0], 3))
     base = np.zeros((cycles, 3))
+    base[:, 0] = riding_rows
     ledger = np.zeros((cycles, 4))
     event_phase = np.empty(MAX_EVENTS)
     event_mode = np.empty(MAX_EVENTS, np.int64)
@@ -164,7 +165,7 @@ def follow(
                     step[edge - origin, 2] += new_slope - slope
                 riding, level, slope = new_riding, new_level, new_slope
         state[r, 0], state[r, 1], state[r, 2] = mode, u, z
-    return _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity), ledger, True
+    return _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity, scale), ledger, True
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -177,7 +178,7 @@ def _branch(mode, phase, w, band):
 
 
 @njit(cache=True, nogil=True)
-def _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity):
+def _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity, scale):
     out = np.empty(step.shape[0])
     origin = math.ceil(first_cycle * edges_per_cycle)
     for k in range(cycles):
@@ -190,5 +191,5 @@ def _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity):
             level += step[e, 1]
             slope += step[e, 2]
             phase = TWO_PI * (e + origin - offset) / edges_per_cycle
-            out[e] = riding * velocity[e] + level + slope * phase
+            out[e] = scale * (riding * velocity[e] + level + slope * phase)
     return out
