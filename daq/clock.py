@@ -15,8 +15,8 @@ class Overrun(Exception):
 
     def __str__(self) -> str:
         return (
-            f"sample {self.sample_index} came {self.late:.3f} s after its time, more than the {self.margin:g} s allowed; "
-            "choose a slower speed, or max"
+            f"sample {self.sample_index} came {self.late:.3f} s after its time, more than the {self.margin:g} s "
+            "allowed; choose a slower speed, or max"
         )
 
 

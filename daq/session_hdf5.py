@@ -33,12 +33,13 @@ __all__ = [
 ]
 
 AttributeValue = str | int | float | Sequence[str]
+CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
 SCALAR = h5s.create(h5s.SCALAR)
 
 
 def open_file(path: Path, mode: str) -> Any:
     """Open an HDF5 file (h5py.File) for writing in the newest format, which the single-writer mode needs."""
-    return h5py.File(path, mode, libver="latest")  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+    return h5py.File(path, mode, libver="latest", rdcc_nbytes=CHUNK_CACHE)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def open_for_reading(path: Path) -> Any:
@@ -48,7 +49,9 @@ def open_for_reading(path: Path) -> Any:
     any damage for a write in progress and tries again for hours.
     """
     swmr = marked_open(path)
-    return h5py.File(path, "r", libver="latest", swmr=swmr)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+    return h5py.File(  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+        path, "r", libver="latest", swmr=swmr, rdcc_nbytes=CHUNK_CACHE
+    )
 
 
 def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
