@@ -1,0 +1,31 @@
+"""Memory does not grow with the length of a record."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+PEAK = """
+import resource, sys
+sys.argv = ["rig", *sys.argv[1:]]
+from rig.cli import main
+try:
+    main()
+finally:
+    peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    print("peak", *peaks, file=sys.stderr)
+"""
+
+
+def peak_megabytes(protocol: Path, out: Path, cycles: int) -> list[float]:
+    """Peak memory of the writer and of its largest worker."""
+    words = ["run", str(protocol), "--out", str(out), "--set", "vary={}", "--set", f"acquire.record={cycles} cycles", "--json"]
+    done = subprocess.run([sys.executable, "-c", PEAK, *words], capture_output=True, text=True, check=True)
+    return [float(word) for word in done.stderr.rpartition("peak")[2].split()]
+
+
+def test_a_long_record_takes_no_more_memory(small: Path, tmp_path: Path) -> None:
+    """1500 cycles are 12 MB of volts per channel and run, 100 MB oversampled: held anywhere whole, they would show.
+    8 MB allow for the allocator: full blocks of 16384 samples on their way, against a few thousand in a short run."""
+    short, long = (peak_megabytes(small, tmp_path / str(n), n) for n in (40, 1500))
+    for before, after in zip(short, long, strict=True):
+        assert after - before < 8.0
