@@ -26,6 +26,7 @@ AXES: dict[str, tuple[str, float]] = {
     "diameter": ("grain diameter, mm", 1e3),
     "acceleration_set": ("acceleration, m/s²", 1.0),
 }
+NEAR = 20.0  # per cent: linear below, logarithmic above
 STYLE: Any = {  # names of matplotlib's settings, which its stubs list one by one
     "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9.0, "axes.titlesize": 9.0,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
@@ -123,7 +124,11 @@ def offset_figure(report: Row) -> "Figure":
         axes = figure.subplots()
         _margins(figure, top=0.1)
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter("{x:g}")
+        axes.set_yscale(
+            "symlog", linthresh=NEAR
+        )  # a detectable offset of a few microjoules can be thousands of per cent
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter("{x:g}")
         axes.axhline(0, color="black", linewidth=0.8)
         axes.errorbar(
             [1e3 * row["W_T"] for row in rows],
