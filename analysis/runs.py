@@ -131,8 +131,8 @@ class Setting:
 
     @property
     def is_empty(self) -> bool:
-        """No grains in the box."""
-        return self.bed == "empty" or self.bed_mass == 0
+        """Nothing in the box: no grains, and no dashpot either."""
+        return self.bed == "empty" or (self.bed != "dashpot" and self.bed_mass == 0)
 
     @property
     def is_bonded(self) -> bool:
