@@ -8,7 +8,8 @@ from rig.beds.bed import Array, Reaction
 from rig.beds.stack import Stack
 from rig.drive.sampling import Sampling
 from rig.errors import InputError, Mistake
-from rig.kernels.rows import STORED_CYCLES, STORED_EVENTS, follow
+from rig.kernels.row import Rows
+from rig.kernels.rows import MEMORY, Grid, follow
 from rig.kernels.waveform import crossings, extrema
 
 
@@ -24,29 +25,14 @@ class Layers:
         self._cycles = 0
         self._stack = stack
         self._coefficients = motion.coefficients
-        turning = extrema(*self._coefficients)
         band = stack.threshold / motion.acceleration
-        counts, phases, regions, first = crossings(band, *self._coefficients, turning)
-        flowing = counts > 0
-        self._tables = (band[flowing], counts[flowing], phases[flowing], regions[flowing], first[flowing])
+        found = crossings(band, *self._coefficients, extrema(*self._coefficients))
+        flowing = np.flatnonzero(found.counts)
         play = stack.play[flowing] / motion.length_unit
-        self._layer = np.repeat(np.arange(play.shape[0]), stack.play.shape[1])
-        self._play = np.ascontiguousarray(play).ravel()
-        rows = self._play.size
-        self._riding_mass = stack.mass - stack.row_mass * rows
+        self._rows = Rows(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
+        self._memory = np.zeros(play.size, MEMORY)
+        self._riding_mass = stack.mass - stack.row_mass * play.size
         self._velocity = _Velocity(np.zeros(0), np.zeros(0))
-        self._state = np.zeros((rows, 3))
-        self._memory = (
-            np.zeros(rows, np.int64),
-            np.zeros(rows, np.int64),
-            np.zeros((rows, STORED_CYCLES, 3)),
-            np.zeros((rows, STORED_EVENTS)),
-            np.zeros((rows, STORED_EVENTS), np.int64),
-            np.zeros((rows, STORED_EVENTS)),
-            np.zeros((rows, STORED_CYCLES + 1), np.int64),
-            np.zeros((rows, STORED_CYCLES, 3)),
-            np.zeros((rows, STORED_CYCLES, 3)),
-        )
 
     @property
     def mass(self) -> float:
@@ -65,12 +51,15 @@ class Layers:
         velocity = self._sampling.edges(self._cycles, cycles).velocity
         if self._velocity.box is not velocity:
             self._velocity = _Velocity(velocity, velocity[1:] / unit)
-        band, *tables = self._tables
         momentum, ledger, complete = follow(
-            self._cycles, cycles, float(self._sampling.edges_per_cycle), self._velocity.scaled,
-            self._riding_mass / mass if mass else 0.0, mass * unit, self._layer, self._play, self._stack.restitution,
-            band, *tables, *self._coefficients, self._state, *self._memory,
-        )  # fmt: skip
+            Grid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
+            self._velocity.scaled,
+            self._riding_mass / mass if mass else 0.0,
+            mass * unit,
+            self._rows,
+            *self._coefficients,
+            self._memory,
+        )
         if not complete:
             raise too_many_events(self._stack)
         self._cycles += cycles

@@ -6,12 +6,11 @@ of the waveform. Between events the motion is closed form; event phases are brac
 have a fixed order: wall before stop, stop before region change.
 """
 
-import math
+from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
-from rig.kernels.waveform import TWO_PI, motion
+from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 MAX_EVENTS = 512
 """Events of one row in one cycle; a row that needs more (elastic, frictionless, vanishing play) is refused."""
@@ -19,16 +18,59 @@ MAX_EVENTS = 512
 CHATTER = 1e-6
 """Rebounds slower than this many waveform velocities end at the wall: what is cut off is below 5e-13 of m V^2."""
 
-
 CONVERGED = 1e-9
 """Newton step, rad, behind which the next would lie below round-off (its square times the curvature)."""
 
 TIGHT = 1e-15
 """Bracket width, rad, at which bisection has nothing left to halve."""
 
+FREE, STOP, WALL = 0, 1, 2
+"""How a stretch of sliding ends: at a region change or the end of the cycle, at rest in the box, at an end wall."""
+
+
+class Rows(NamedTuple):
+    """Independent rows of unit mass, units of the waveform.
+
+    layer, play : of each row, shape (rows,)
+    restitution : of all rows at the end walls
+    band, tables : threshold of each layer, shape (layers,), and where the waveform crosses it (`Crossings`)
+    """
+
+    layer: Ints
+    play: Array
+    restitution: float
+    band: Array
+    tables: Array
+
+
+class Events(NamedTuple):
+    """What starts at each event: phase, mode, and the row's velocity in the laboratory; each of shape (MAX_EVENTS,)."""
+
+    phase: Array
+    mode: Ints
+    w: Array
+
+
+class Cycle(NamedTuple):
+    """A row at the end of a cycle, the number of its events (-1: more than `MAX_EVENTS`), and the cycle's energies.
+
+    mode : 0 rides with the box, +1 and -1 slide towards that side
+    work : of the box on the row; friction, collision : losses
+    """
+
+    mode: int
+    u: float
+    z: float
+    events: int
+    work: float
+    friction: float
+    collision: float
+
 
 @njit(cache=True, nogil=True)
-def _stop_phase(lo, f_lo, hi, f_hi, start, w, band, s, P, Q):
+def _stop_phase(
+    lo: float, f_lo: float, hi: float, f_hi: float, start: float, w: float, band: float, s: float, P: Array, Q: Array
+) -> float:
     """Root of s z in a bracket where it falls from >= 0 to < 0: safeguarded Newton from the secant."""
     theta = lo + (hi - lo) * f_lo / (f_lo - f_hi)
     for _ in range(100):
@@ -51,7 +93,10 @@ def _stop_phase(lo, f_lo, hi, f_hi, start, w, band, s, P, Q):
 
 
 @njit(cache=True, nogil=True)
-def _hit_phase(lo, gap_lo, hi, gap_hi, start, y, w, band, s, wall, P, Q):
+def _hit_phase(
+    lo: float, gap_lo: float, hi: float, gap_hi: float, start: float, y: float, w: float, band: float, s: float,
+    wall: float, P: Array, Q: Array,
+) -> float:  # fmt: skip
     """Root of the distance to the wall in a bracket where it falls from >= 0 to <= 0: safeguarded Newton."""
     theta = lo + (hi - lo) * gap_lo / (gap_lo - gap_hi) if gap_lo > gap_hi else hi
     for _ in range(100):
@@ -74,53 +119,48 @@ def _hit_phase(lo, gap_lo, hi, gap_hi, start, y, w, band, s, wall, P, Q):
     return theta
 
 
-@njit(cache=True, nogil=True)
-def cycle(mode, u, z, band, play, restitution, count, table, regions, first, P, Q, event_phase, event_mode, event_w):
-    """Advance one row by one cycle of the drive.
+@njit(cache=True, nogil=True, inline="always")
+def _thrown(region: int, u: float, play: float) -> int:
+    """Direction in which a riding row is thrown: against the box's acceleration, where there is room; 0 for none."""
+    if region == -1 and u < play:
+        return 1
+    if region == 1 and u > 0.0:
+        return -1
+    return 0
 
-    mode 0 rides with the box, +1 and -1 slide; count, table, regions and first are those of `crossings`. Writes what starts at each event (phase, mode, velocity in the
-    laboratory) and returns (mode, u, z, events, work of the box on the row, friction loss, collision loss).
-    events is -1 where they exceed `MAX_EVENTS`.
+
+@njit(cache=True, nogil=True)
+def cycle(
+    mode: int, u: float, z: float, band: float, play: float, restitution: float, table: Array, P: Array, Q: Array,
+    events: Events,
+) -> Cycle:  # fmt: skip
+    """Advance a row by one cycle of the drive from (mode, u, z); `table` is its layer's, its events go to `events`.
+
+    One function on purpose: with the search for the next contact in a function of its own it takes a third longer.
     """
-    x0, v0, _ = motion(0.0, P, Q)
-    x, v = x0, v0
-    theta, region, j, n = 0.0, first, 0, 0
-    while j < count and table[j, 0] <= 0.0:
-        region = regions[j]
-        j += 1
+    event_phase, event_mode, event_w = events
+    theta, x, v, region, ahead, n = 0.0, table[0, 1], table[0, 2], int(table[0, 3]), 1, 0
     work, friction, collision = 0.0, 0.0, 0.0
-    start, y, w = 0.0, x + u, v + z
+    start, y, w = theta, x + u, v + z
     start_x, start_v = x, v
     while True:
         if mode == 0:
-            leave = 0
-            if region == -1 and u < play:
-                leave = 1
-            elif region == 1 and u > 0.0:
-                leave = -1
-            while leave == 0 and j < count:
-                theta, x, v, region = table[j, 0], table[j, 1], table[j, 2], regions[j]
-                j += 1
-                if region == -1 and u < play:
-                    leave = 1
-                elif region == 1 and u > 0.0:
-                    leave = -1
-            if leave == 0:
-                theta, x, v = TWO_PI, x0, v0
+            mode = _thrown(region, u, play)
+            while mode == 0 and theta < TWO_PI:
+                theta, x, v, region = table[ahead, 0], table[ahead, 1], table[ahead, 2], int(table[ahead, 3])
+                ahead += 1
+                mode = _thrown(region, u, play)
             work += 0.5 * (v * v - start_v * start_v)
-            if leave == 0:
-                return 0, u, 0.0, n, work, friction, collision
-            mode, start, y, w, start_x = leave, theta, x + u, v, x
+            if mode == 0:
+                return Cycle(0, u, 0.0, n, work, friction, collision)
+            start, y, w, start_x = theta, x + u, v, x
             if n >= MAX_EVENTS:
-                return mode, u, 0.0, -1, work, friction, collision
+                return Cycle(mode, u, 0.0, -1, work, friction, collision)
             event_phase[n], event_mode[n], event_w[n] = theta, mode, w
             n += 1
         s = float(mode)
         wall = play if mode == 1 else 0.0
-        if j < count:
-            end, x_end, v_end = table[j, 0], table[j, 1], table[j, 2]
-        else:
-            end, x_end, v_end = TWO_PI, x0, v0
+        end, x_end, v_end = table[ahead, 0], table[ahead, 1], table[ahead, 2]
         t = end - start
         gap_end = s * (wall + x_end - y - w * t) + 0.5 * band * t * t
         closing_end = s * (w - v_end) - band * t
@@ -139,18 +179,17 @@ def cycle(mode, u, z, band, play, restitution, count, table, regions, first, P, 
             end = _hit_phase(theta, max(gap, 0.0), end, gap_end, start, y, w, band, s, wall, P, Q)
             x_end, v_end, _ = motion(end, P, Q)
             t = end - start
-        x, v = x_end, v_end
-        theta = end
-        if not hits and not stops and j < count:
-            region = regions[j]
-            j += 1
+        theta, x, v = end, x_end, v_end
+        if not hits and not stops and theta < TWO_PI:
+            region = int(table[ahead, 3])
+            ahead += 1
             continue
         before = y - start_x
         u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), play)
         friction += band * s * (u - before)
         work -= s * band * (x - start_x)
         if not hits and not stops:
-            return mode, u, w - s * band * t - v, n, work, friction, collision
+            return Cycle(mode, u, w - s * band * t - v, n, work, friction, collision)
         back = 0.0
         if hits:
             closing = max(s * (w - v) - band * t, 0.0)
@@ -163,6 +202,6 @@ def cycle(mode, u, z, band, play, restitution, count, table, regions, first, P, 
         w = v - s * back
         start, y, start_x, start_v = theta, x + u, x, v
         if n >= MAX_EVENTS:
-            return mode, u, 0.0, -1, work, friction, collision
+            return Cycle(mode, u, 0.0, -1, work, friction, collision)
         event_phase[n], event_mode[n], event_w[n] = theta, mode, w
         n += 1

@@ -1,12 +1,18 @@
-"""Many independent rows: their steady energy per cycle, and their momentum on a sampling grid."""
+"""Many independent rows: their steady energy per cycle, and their momentum on a sampling grid.
+
+Compiled code counts the references of every array in a named tuple that it hands on, which costs more than replaying a
+cycle does: the loops over rows take their arrays one by one, and a row's memory is a record, which is not counted.
+"""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from rig.kernels.row import MAX_EVENTS, cycle
-from rig.kernels.waveform import TWO_PI, motion
+from rig.kernels.row import MAX_EVENTS, Cycle, Events, Rows, cycle
+from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 HISTORY = 64
 """Longest period looked for, in cycles of the drive."""
@@ -19,157 +25,223 @@ SAME = 1e-10
 """Two states closer than this, in units of the waveform, are the same state."""
 
 
+class Grid(NamedTuple):
+    """Sampling edges of some whole cycles: edge j lies at phase 2 pi j / per_cycle from the start of the motion."""
+
+    first_cycle: int
+    cycles: int
+    per_cycle: float
+
+
+MEMORY = np.dtype(
+    [
+        ("mode", np.int64),
+        ("u", np.float64),
+        ("z", np.float64),
+        ("history", np.float64, (STORED_CYCLES, 3)),
+        ("period", np.int64),
+        ("recorded", np.int64),
+        ("phase", np.float64, (STORED_EVENTS,)),
+        ("event_mode", np.int64, (STORED_EVENTS,)),
+        ("w", np.float64, (STORED_EVENTS,)),
+        ("offset", np.int64, (STORED_CYCLES + 1,)),
+        ("energy", np.float64, (STORED_CYCLES, 3)),
+        ("after", np.float64, (STORED_CYCLES, 3)),
+    ]
+)
+"""What a row carries from call to call; all zero is a row at rest at the end wall u = 0.
+
+mode, u, z : its state
+history : states at the start of the latest cycles
+period : of its orbit in cycles, 0 for not found yet, -1 for an orbit with more events than can be stored
+recorded : cycles stored or replayed since the period was found
+phase, event_mode, w : events of one period, cycle n of it those from offset[n] to offset[n + 1]
+energy, after : work, friction and collision of each of these cycles, and the state behind it
+"""
+
+Memory = NDArray[np.void]
+"""Rows' memories, dtype `MEMORY`, shape (rows,)."""
+
+
 @njit(cache=True, nogil=True)
-def _recurrence(history, row, now, mode, u, z):
+def _recurrence(history: Array, now: int, mode: int, u: float, z: float) -> int:
     """Smallest period in cycles after which the state at cycle `now` has returned, 0 for none yet."""
-    length = history.shape[1]
+    length = history.shape[0]
     for back in range(1, min(now, length) + 1):
         k = (now - back) % length
-        if (
-            abs(history[row, k, 1] - u) < SAME
-            and abs(history[row, k, 2] - z) < SAME
-            and history[row, k, 0] == mode
-        ):
+        if abs(history[k, 1] - u) < SAME and abs(history[k, 2] - z) < SAME and history[k, 0] == mode:
             return back
     return 0
 
 
 @njit(cache=True, nogil=True)
-def steady_energy(layer, play, restitution, band, counts, tables, regions, first, P, Q, average):
-    """Energy per cycle of rows of unit mass in their steady state, units of the waveform.
+def _no_events() -> Events:
+    """Room for the events of one cycle."""
+    return Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+
+
+def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
+    """Energy per cycle of rows in their steady state, units of the waveform.
 
     Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean over its
     period, any other the mean over `average` further cycles. Returns friction, collision, period (0: none), each
     of shape (rows,); the period is -1 where a row exceeds `MAX_EVENTS`.
     """
-    rows = layer.shape[0]
-    friction = np.zeros(rows)
-    collision = np.zeros(rows)
-    period = np.zeros(rows, np.int64)
-    history = np.empty((1, HISTORY, 3))
+    found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _steady_energy(
+    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int
+) -> tuple[Array, Array, Ints]:
+    count = layer.shape[0]
+    friction = np.zeros(count)
+    collision = np.zeros(count)
+    period = np.zeros(count, np.int64)
+    history = np.empty((HISTORY, 3))
     losses = np.empty((HISTORY, 2))
-    event_phase = np.empty(MAX_EVENTS)
-    event_mode = np.empty(MAX_EVENTS, np.int64)
-    event_w = np.empty(MAX_EVENTS)
-    for r in range(rows):
+    events = _no_events()
+    for r in range(count):
         i = layer[r]
         mode, u, z = 0, 0.0, 0.0
         for n in range(HISTORY + average):
             k = n % HISTORY
             if n <= HISTORY:
-                back = _recurrence(history, 0, n, mode, u, z)
+                back = _recurrence(history, n, mode, u, z)
                 if back > 0:
                     period[r] = back
                     for b in range(1, back + 1):
                         friction[r] += losses[(n - b) % HISTORY, 0] / back
                         collision[r] += losses[(n - b) % HISTORY, 1] / back
                     break
-                history[0, k, 0], history[0, k, 1], history[0, k, 2] = mode, u, z
-            mode, u, z, events, _, f, c = cycle(
-                mode, u, z, band[i], play[r], restitution, counts[i], tables[i], regions[i], first[i], P, Q,
-                event_phase, event_mode, event_w,
-            )  # fmt: skip
-            if events < 0:
+                history[k, 0], history[k, 1], history[k, 2] = mode, u, z
+            after = cycle(mode, u, z, band[i], play[r], restitution, tables[i], P, Q, events)
+            mode, u, z = after.mode, after.u, after.z
+            if after.events < 0:
                 period[r] = -1
                 break
             if n < HISTORY:
-                losses[k, 0], losses[k, 1] = f, c
+                losses[k, 0], losses[k, 1] = after.friction, after.collision
             else:
-                friction[r] += f / average
-                collision[r] += c / average
+                friction[r] += after.friction / average
+                collision[r] += after.collision / average
     return friction, collision, period
 
 
-@njit(cache=True, nogil=True)
 def follow(
-    first_cycle, cycles, edges_per_cycle, velocity, riding_rows, scale, layer, play, restitution, band, counts, tables, regions, first, P, Q,
-    state, period, recorded, history, stored_phase, stored_mode, stored_w, stored_offset, stored_ledger, stored_state,
-):  # fmt: skip
-    """Advance rows of unit mass through whole cycles and give their total momentum, times `scale`, at the sampling edges.
+    grid: Grid, velocity: Array, riding_rows: float, scale: float, rows: Rows, P: Array, Q: Array, memory: Memory
+) -> tuple[Array, Array, bool]:
+    """Advance rows through the cycles of a grid and give their total momentum, times `scale`, at its edges.
 
-    Edge j lies at phase 2 pi j / edges_per_cycle from the start of the motion; the call covers the edges of its
-    cycles and takes the box's velocity there, shape (edges,), units of the waveform. `state` (rows, 3) and the history and store arrays carry the rows from call to call. A row whose state
-    has recurred is replayed from its stored period. `riding_rows` more rows ride all the time. Returns momentum (edges,), a ledger (cycles, 4) of work on the
-    rows, friction loss, collision loss and kinetic energy at the end of the cycle, and False where a row exceeds
-    `MAX_EVENTS`.
+    velocity : of the box at the edges, units of the waveform, shape (edges,)
+    riding_rows : more rows, which ride all the time
+    memory : changed in place
+
+    Returns momentum (edges,), a ledger (cycles, 4) of work on the rows, friction loss, collision loss and kinetic
+    energy at the end of the cycle, and False where a row exceeds `MAX_EVENTS`.
     """
-    origin = math.ceil(first_cycle * edges_per_cycle)
-    step = np.zeros((velocity.shape[0], 3))
-    base = np.zeros((cycles, 3))
+    step = np.zeros((velocity.size, 3))
+    base = np.zeros((grid.cycles, 3))
     base[:, 0] = riding_rows
+    first_cycle, cycles, per_cycle = grid
+    ledger, complete = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base)
+    return _momentum(*grid, step, base, velocity, scale), ledger, complete
+
+
+@njit(cache=True, nogil=True)
+def _follow(
+    first_cycle: int, cycles: int, per_cycle: float, layer: Ints, play: Array, restitution: float, band: Array,
+    tables: Array, P: Array, Q: Array, memory: Memory, step: Array, base: Array,
+) -> tuple[Array, bool]:  # fmt: skip
+    """Ledger of the rows, and whether all could be followed; adds their velocities to `step` and `base`."""
     ledger = np.zeros((cycles, 4))
-    event_phase = np.empty(MAX_EVENTS)
-    event_mode = np.empty(MAX_EVENTS, np.int64)
-    event_w = np.empty(MAX_EVENTS)
+    events = _no_events()
     start_v = motion(0.0, P, Q)[1]
-    per_phase = edges_per_cycle / TWO_PI
+    origin = math.ceil(first_cycle * per_cycle)
+    per_phase = per_cycle / TWO_PI
     for r in range(layer.shape[0]):
-        i = layer[r]
-        mode, u, z = int(state[r, 0]), state[r, 1], state[r, 2]
+        i, row = layer[r], memory[r]
         for k in range(cycles):
             now = first_cycle + k
-            if period[r] == 0:
-                back = _recurrence(history, r, now, mode, u, z)
-                if back > 0:
-                    period[r] = back
-                h = now % history.shape[1]
-                history[r, h, 0], history[r, h, 1], history[r, h, 2] = mode, u, z
-            start_mode, start_w = mode, start_v + z
-            turn = recorded[r] % period[r] if period[r] > 0 else 0
-            if period[r] > 0 and recorded[r] >= period[r]:
-                begin, events = stored_offset[r, turn], stored_offset[r, turn + 1] - stored_offset[r, turn]
-                for n in range(events):
-                    event_phase[n] = stored_phase[r, begin + n]
-                    event_mode[n] = stored_mode[r, begin + n]
-                    event_w[n] = stored_w[r, begin + n]
-                work, f, c = stored_ledger[r, turn, 0], stored_ledger[r, turn, 1], stored_ledger[r, turn, 2]
-                mode, u, z = int(stored_state[r, turn, 0]), stored_state[r, turn, 1], stored_state[r, turn, 2]
-                recorded[r] += 1
+            mode, w = row.mode, start_v + row.z
+            _look_back(row, now)
+            if row.period > 0 and row.recorded >= row.period:
+                after = _replay(row, events)
             else:
-                mode, u, z, events, work, f, c = cycle(
-                    mode, u, z, band[i], play[r], restitution, counts[i], tables[i], regions[i], first[i], P, Q,
-                    event_phase, event_mode, event_w,
-                )  # fmt: skip
-                if events < 0:
-                    return np.zeros(0), ledger, False
-                if period[r] > 0:
-                    begin = stored_offset[r, turn]
-                    if begin + events > STORED_EVENTS:
-                        period[r] = -1
-                    else:
-                        for n in range(events):
-                            stored_phase[r, begin + n] = event_phase[n]
-                            stored_mode[r, begin + n] = event_mode[n]
-                            stored_w[r, begin + n] = event_w[n]
-                        stored_offset[r, turn + 1] = begin + events
-                        stored_ledger[r, turn, 0], stored_ledger[r, turn, 1], stored_ledger[r, turn, 2] = work, f, c
-                        stored_state[r, turn, 0], stored_state[r, turn, 1], stored_state[r, turn, 2] = mode, u, z
-                        recorded[r] += 1
-            ledger[k, 0] += work
-            ledger[k, 1] += f
-            ledger[k, 2] += c
-            ledger[k, 3] += 0.5 * (start_v + z) ** 2
-            riding, level, slope = _branch(start_mode, 0.0, start_w, band[i])
+                after = cycle(row.mode, row.u, row.z, band[i], play[r], restitution, tables[i], P, Q, events)
+                if after.events < 0:
+                    return ledger, False
+                _store(row, after, events)
+            row.mode, row.u, row.z = after.mode, after.u, after.z
+            ledger[k, 0] += after.work
+            ledger[k, 1] += after.friction
+            ledger[k, 2] += after.collision
+            ledger[k, 3] += 0.5 * (start_v + after.z) ** 2
+            riding, level, slope = _branch(mode, 0.0, w, band[i])
             base[k, 0] += riding
             base[k, 1] += level
             base[k, 2] += slope
-            here = math.ceil(now * edges_per_cycle)
-            last = math.ceil((now + 1) * edges_per_cycle)
-            offset = now * edges_per_cycle
-            for n in range(events):
-                edge = math.ceil(offset + event_phase[n] * per_phase)
-                new_riding, new_level, new_slope = _branch(event_mode[n], event_phase[n], event_w[n], band[i])
+            here, last = math.ceil(now * per_cycle), math.ceil((now + 1) * per_cycle)
+            for n in range(after.events):
+                edge = math.ceil(now * per_cycle + events.phase[n] * per_phase)
+                new_riding, new_level, new_slope = _branch(events.mode[n], events.phase[n], events.w[n], band[i])
                 if here <= edge < last:
                     step[edge - origin, 0] += new_riding - riding
                     step[edge - origin, 1] += new_level - level
                     step[edge - origin, 2] += new_slope - slope
                 riding, level, slope = new_riding, new_level, new_slope
-        state[r, 0], state[r, 1], state[r, 2] = mode, u, z
-    return _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity, scale), ledger, True
+    return ledger, True
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _branch(mode, phase, w, band):
+def _look_back(row: Any, now: int) -> None:
+    """Find the period of a row's orbit from its state at cycle `now`, unless that is done."""
+    if row.period == 0:
+        row.period = _recurrence(row.history, now, row.mode, row.u, row.z)
+        h = now % STORED_CYCLES
+        row.history[h, 0], row.history[h, 1], row.history[h, 2] = row.mode, row.u, row.z
+
+
+@njit(cache=True, nogil=True)
+def _replay(row: Any, events: Events) -> Cycle:
+    """The stored cycle of a steady row whose turn it is."""
+    turn = row.recorded % row.period
+    begin = row.offset[turn]
+    count = row.offset[turn + 1] - begin
+    for n in range(count):
+        events.phase[n] = row.phase[begin + n]
+        events.mode[n] = row.event_mode[begin + n]
+        events.w[n] = row.w[begin + n]
+    row.recorded += 1
+    return Cycle(
+        int(row.after[turn, 0]), row.after[turn, 1], row.after[turn, 2], count,
+        row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2],
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _store(row: Any, after: Cycle, events: Events) -> None:
+    """Keep a cycle of a steady row; one with more events than there is room for is given up."""
+    if row.period <= 0:
+        return
+    turn = row.recorded % row.period
+    begin = row.offset[turn]
+    if begin + after.events > STORED_EVENTS:
+        row.period = -1
+        return
+    for n in range(after.events):
+        row.phase[begin + n] = events.phase[n]
+        row.event_mode[begin + n] = events.mode[n]
+        row.w[begin + n] = events.w[n]
+    row.offset[turn + 1] = begin + after.events
+    row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2] = after.work, after.friction, after.collision
+    row.after[turn, 0], row.after[turn, 1], row.after[turn, 2] = after.mode, after.u, after.z
+    row.recorded += 1
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _branch(mode: int, phase: float, w: float, band: float) -> tuple[float, float, float]:
     """Velocity of a row behind an event as riding * v_box + level + slope * phase."""
     if mode == 0:
         return 1.0, 0.0, 0.0
@@ -178,18 +250,21 @@ def _branch(mode, phase, w, band):
 
 
 @njit(cache=True, nogil=True)
-def _momentum(step, base, first_cycle, cycles, edges_per_cycle, velocity, scale):
+def _momentum(
+    first_cycle: int, cycles: int, per_cycle: float, step: Array, base: Array, velocity: Array, scale: float
+) -> Array:
+    """Sum the rows' velocities up along each cycle: momentum times `scale` at every edge."""
     out = np.empty(step.shape[0])
-    origin = math.ceil(first_cycle * edges_per_cycle)
+    origin = math.ceil(first_cycle * per_cycle)
     for k in range(cycles):
         riding, level, slope = base[k, 0], base[k, 1], base[k, 2]
-        offset = (first_cycle + k) * edges_per_cycle
+        offset = (first_cycle + k) * per_cycle
         here = math.ceil(offset) - origin
-        last = math.ceil((first_cycle + k + 1) * edges_per_cycle) - origin
+        last = math.ceil((first_cycle + k + 1) * per_cycle) - origin
         for e in range(here, last):
             riding += step[e, 0]
             level += step[e, 1]
             slope += step[e, 2]
-            phase = TWO_PI * (e + origin - offset) / edges_per_cycle
+            phase = TWO_PI * (e + origin - offset) / per_cycle
             out[e] = scale * (riding * velocity[e] + level + slope * phase)
     return out

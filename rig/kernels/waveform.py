@@ -6,15 +6,32 @@ x = sum (P_h sin h theta + Q_h cos h theta)/h^2, v = x', a = v'.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 TWO_PI = 2.0 * math.pi
 
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Crossings(NamedTuple):
+    """Where an acceleration leaves or enters the bands [-threshold, threshold] of n thresholds in one cycle.
+
+    counts : number of crossings in [0, 2 pi), shape (n,)
+    tables : lines of phase, box position, box velocity, and the region behind the phase (-1 below the band, 0 inside,
+        +1 above), shape (n, m, 4); the first line is phase 0, then the crossings ascend, then 2 pi to the end
+    """
+
+    counts: Ints
+    tables: Array
+
 
 @njit(cache=True, nogil=True, inline="always")
-def motion(theta, P, Q):
+def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
     """Position, velocity and acceleration of the waveform at a phase."""
     s1 = math.sin(theta)
     c1 = math.cos(theta)
@@ -33,7 +50,7 @@ def motion(theta, P, Q):
 
 
 @njit(cache=True, nogil=True)
-def _level_root(lo, hi, level, P, Q):
+def _level_root(lo: float, hi: float, level: float, P: Array, Q: Array) -> float:
     """Phase in a bracket where a(theta) = level, to round-off: regula falsi with the Illinois step."""
     f_lo = motion(lo, P, Q)[2] - level
     f_hi = motion(hi, P, Q)[2] - level
@@ -65,7 +82,7 @@ def _level_root(lo, hi, level, P, Q):
 
 
 @njit(cache=True, nogil=True)
-def extrema(P, Q):
+def extrema(P: Array, Q: Array) -> Array:
     """Phases in [0, 2 pi) where the acceleration is largest or smallest, ascending, shape (m,)."""
     harmonics = P.shape[0]
     samples = 128 * harmonics
@@ -88,51 +105,48 @@ def extrema(P, Q):
 
 
 @njit(cache=True, nogil=True)
-def crossings(thresholds, P, Q, turning):
-    """Where the acceleration leaves or enters the band [-threshold, threshold], for each threshold.
-
-    Returns counts (n,), tables (n, m, 3) of phase (ascending in [0, 2 pi)), box position and box velocity there,
-    regions (n, m) behind each phase (-1 below the band, 0 inside, +1 above) and the region at phase 0, shape (n,).
-    """
+def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossings:
+    """Where the acceleration crosses each threshold, up or down; `turning` are its `extrema`."""
     n = thresholds.shape[0]
-    pieces = turning.shape[0]
     counts = np.zeros(n, np.int64)
-    tables = np.zeros((n, 2 * pieces + 2, 3))
-    phases = np.empty(2 * pieces + 2)
-    behind = np.empty(2 * pieces + 2, np.int64)
-    regions = np.zeros((n, 2 * pieces + 2), np.int64)
-    first = np.zeros(n, np.int64)
-    values = np.empty(pieces + 1)
-    bounds = np.empty(pieces + 1)
-    for k in range(pieces):
-        bounds[k] = turning[k]
+    tables = np.empty((n, 2 * turning.shape[0] + 2, 4))
+    bounds = np.append(turning, turning[:1] + TWO_PI)
+    values = np.empty(bounds.shape[0])
+    for k in range(turning.shape[0]):
         values[k] = motion(turning[k], P, Q)[2]
-    if pieces > 0:
-        bounds[pieces] = turning[0] + TWO_PI
-        values[pieces] = values[0]
+    values[turning.shape[0] :] = values[:1]
+    x0, v0, a0 = motion(0.0, P, Q)
     for i in range(n):
-        band = thresholds[i]
-        start = motion(0.0, P, Q)[2]
-        first[i] = 1 if start > band else (-1 if start < -band else 0)
-        count = 0
-        for k in range(pieces):
-            lo, hi = values[k], values[k + 1]
-            for level in (-band, band):
-                if (lo > level) != (hi > level):
-                    phase = _level_root(bounds[k], bounds[k + 1], level, P, Q)
-                    region = 0
-                    if hi > lo and level == band:
-                        region = 1
-                    elif hi < lo and level == -band:
-                        region = -1
-                    phases[count] = phase % TWO_PI
-                    behind[count] = region
-                    count += 1
-        order = np.argsort(phases[:count])
-        for k in range(count):
-            phase = phases[order[k]]
-            x, v, _ = motion(phase, P, Q)
-            tables[i, k, 0], tables[i, k, 1], tables[i, k, 2] = phase, x, v
-            regions[i, k] = behind[order[k]]
-        counts[i] = count
-    return counts, tables, regions, first
+        band, table = thresholds[i], tables[i]
+        table[:, 0], table[:, 1], table[:, 2], table[:, 3] = TWO_PI, x0, v0, 0.0
+        table[0, 0], table[0, 3] = 0.0, 1.0 if a0 > band else (-1.0 if a0 < -band else 0.0)
+        phases, behind = _crossings_of(band, bounds, values, P, Q)
+        line = 0
+        for k in np.argsort(phases):
+            if phases[k] > 0.0:
+                line += 1
+                table[line, 0] = phases[k]
+                table[line, 1], table[line, 2], _ = motion(phases[k], P, Q)
+            table[line, 3] = behind[k]
+        counts[i] = phases.shape[0]
+    return Crossings(counts, tables)
+
+
+@njit(cache=True, nogil=True)
+def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array) -> tuple[Array, Array]:
+    """Phases (m,) at which the acceleration crosses -band or band, piece by monotonic piece, and the regions behind."""
+    pieces = max(bounds.shape[0] - 1, 0)
+    phases = np.empty(2 * pieces)
+    behind = np.empty(2 * pieces)
+    count = 0
+    for k in range(pieces):
+        lo, hi = values[k], values[k + 1]
+        for level in (-band, band):
+            if (lo > level) != (hi > level):
+                phases[count] = _level_root(bounds[k], bounds[k + 1], level, P, Q) % TWO_PI
+                if hi > lo:
+                    behind[count] = 1.0 if level == band else 0.0
+                else:
+                    behind[count] = -1.0 if level == -band else 0.0
+                count += 1
+    return phases[:count], behind[:count]

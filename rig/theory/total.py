@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.kernels.row import Rows
 from rig.kernels.rows import steady_energy
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
@@ -79,12 +80,11 @@ def closed_tier(
     if band.size == 0:
         return Total(0.0, 0.0, 1, 1.0)
     omega = 2.0 * np.pi * frequency
-    tables = crossings(band, sine, cosine, extrema(sine, cosine))
     free = (play[flowing] * (omega**2 / acceleration)).ravel()
     layer = np.repeat(np.arange(band.size), play.shape[1])
-    friction, collision, period = steady_energy(
-        layer, free, row_restitution, band, *tables, sine, cosine, averaged_cycles
-    )
+    tables = crossings(band, sine, cosine, extrema(sine, cosine)).tables
+    rows = Rows(layer, free, row_restitution, band, tables)
+    friction, collision, period = steady_energy(rows, sine, cosine, averaged_cycles)
     if (period < 0).any():
         raise TooManyEvents("a row meets more events in one cycle than can be followed")
     unit = row_mass * (acceleration / omega) ** 2

@@ -7,33 +7,38 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rig.kernels.row import MAX_EVENTS, cycle
+from rig.kernels.row import MAX_EVENTS, Events, Rows, cycle
 from rig.kernels.rows import steady_energy
-from rig.kernels.waveform import crossings, extrema, motion
+from rig.kernels.waveform import Array, crossings, extrema, motion
 
 SINE = (np.ones(1), np.zeros(1))
 THIRD = (np.array([1.0, 0.0, 0.2]), np.array([0.0, 0.0, -0.1]))
 
 
+def one_row(band: float, play: float, restitution: float, waveform: tuple[Array, Array]) -> Rows:
+    """A single row on a waveform."""
+    bands = np.array([band])
+    tables = crossings(bands, *waveform, extrema(*waveform)).tables
+    return Rows(np.zeros(1, np.int64), np.array([play]), restitution, bands, tables)
+
+
 def steady(band: float, play: float, restitution: float = 0.0, average: int = 64) -> tuple[float, float, int]:
     """Friction and collision loss per cycle of one row, units of the sine, and its period."""
-    tables = crossings(np.array([band]), *SINE, extrema(*SINE))
-    friction, collision, period = steady_energy(
-        np.zeros(1, np.int64), np.array([play]), restitution, np.array([band]), *tables, *SINE, average
-    )
+    friction, collision, period = steady_energy(one_row(band, play, restitution, SINE), *SINE, average)
     return float(friction[0]), float(collision[0]), int(period[0])
 
 
-def transient(band: float, play: float, restitution: float, cycles: int, waveform=SINE):  # type: ignore[no-untyped-def]
-    """Rows of (mode, u, z, work, friction, collision) at the end of each cycle."""
-    tables = [part[0] for part in crossings(np.array([band]), *waveform, extrema(*waveform))]
-    buffers = (np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
-    mode, u, z, rows = 0, 0.0, 0.0, []
+def transient(band: float, play: float, restitution: float, cycles: int, waveform: tuple[Array, Array] = SINE) -> Array:
+    """Lines of (mode, u, z, work, friction, collision) at the end of each cycle of a row that starts at rest."""
+    row = one_row(band, play, restitution, waveform)
+    events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+    mode, u, z, lines = 0, 0.0, 0.0, []
     for _ in range(cycles):
-        mode, u, z, events, *energy = cycle(mode, u, z, band, play, restitution, *tables, *waveform, *buffers)
-        assert events >= 0
-        rows.append((mode, u, z, *energy))
-    return np.array(rows)
+        after = cycle(mode, u, z, band, play, restitution, row.tables[0], *waveform, events)
+        assert after.events >= 0
+        mode, u, z = after.mode, after.u, after.z
+        lines.append((mode, u, z, after.work, after.friction, after.collision))
+    return np.array(lines)
 
 
 @pytest.mark.parametrize("eta", [0.01, 0.1, 0.3, 0.5])
@@ -166,8 +171,8 @@ def test_an_orbit_may_have_a_longer_period_than_the_drive() -> None:
 
 def test_averaging_rows_without_a_period() -> None:
     """The default of 64 cycles against 4096 on a condition with the largest share of such rows (2 m/s^2, steel)."""
-    from rig.catalog import load_rig
     from rig.beds.stack import nominal, stack
+    from rig.catalog import load_rig
     from rig.scene import Grains, Scene
     from rig.theory.total import closed_tier
 
