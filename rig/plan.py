@@ -118,6 +118,7 @@ def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: flo
         "gauge_mass": rig.gauge_mass,
         "moving_mass": rig.exciter.moving_mass,
         "losses": list(condition.scene.losses),
+        "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
     }
 
 

@@ -15,6 +15,7 @@ from rig.catalog.shelves import HERE
 from rig.catalog.writer import write_yaml
 from rig.edits import edited
 from rig.errors import InputError, in_order
+from rig.expect import plain_expect, read_expect
 from rig.grid import Row, expand
 from rig.scene import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
 from rig.strict import (
@@ -79,7 +80,11 @@ def dump_protocol(protocol: Protocol) -> str:
     data |= {name: plain(kind, getattr(protocol, name)) for name, kind in PARTS.items()}
     data["vary"] = plain_axes(protocol.vary)
     data["repeats"] = plain(Repeats, protocol.repeats)
-    data |= {"seed": protocol.seed, "faults": list(protocol.faults), "expect": list(protocol.expect)}
+    data |= {
+        "seed": protocol.seed,
+        "faults": list(protocol.faults),
+        "expect": [plain_expect(claim) for claim in protocol.expect],
+    }
     return write_yaml(data)
 
 
@@ -150,7 +155,7 @@ def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
             raise notes.reject(node.where, key, "faults, not built yet", "[]")
         return ()
     if key == "expect":
-        return _expect(node, notes)
+        return read_expect(node, notes)
     return value_of(grammar(Protocol)[key], node, key, notes)
 
 
@@ -166,12 +171,3 @@ def _rig(node: Node, folder: Path, notes: Notes) -> str:
             notes.reject(node.where, "rig", mistake.found, mistake.allowed, mistake.hint)
         raise Unreadable("rig") from None
     return name
-
-
-def _expect(node: Node, notes: Notes) -> tuple[Mapping[str, Any], ...]:
-    if not isinstance(node.value, tuple):
-        raise notes.reject(node.where, "expect", describe(node), "a list of mappings")
-    for item in node.value:
-        if not isinstance(item.value, dict):
-            notes.reject(item.where, "expect", describe(item), "a mapping for each claim")
-    return tuple(item.plain() for item in node.value if isinstance(item.value, dict))

@@ -4,7 +4,7 @@ of every field stand here once and the strict reader checks against them."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from rig.units import Quantity
@@ -156,6 +156,22 @@ class Vary:
 
 
 @dataclass(frozen=True)
+class Expect:
+    """A claim to be judged (rig.expect has the grammar): its words, the kind of test, the path of the field it is about
+    ("" for none), the values named in it, the conditions it is restricted to, the path it is averaged over, the limits
+    fixed beforehand, and why its outcome is imposed ("" where it is not)."""
+
+    claim: str
+    kind: str
+    path: str = ""
+    values: tuple[Any, ...] = ()
+    at: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    over: str = ""
+    limits: tuple[float, ...] = ()
+    imposed: str = ""
+
+
+@dataclass(frozen=True)
 class Protocol:
     """An experiment as written; the grid runs over `vary` in the order written, the last axis fastest."""
 
@@ -170,7 +186,7 @@ class Protocol:
     repeats: Repeats = Repeats()
     seed: Annotated[int, Quantity("number", 0, 2**63 - 1)] = 2015
     faults: tuple[Mapping[str, Any], ...] = ()
-    expect: tuple[Mapping[str, Any], ...] = ()
+    expect: tuple[Expect, ...] = ()
 
     def conditions(self) -> tuple[Condition, ...]:
         """Every condition of the grid, resolved. InputError lists every value out of range and what does not fit."""

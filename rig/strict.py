@@ -221,6 +221,11 @@ def _unpack(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
     return annotation, ()
 
 
+def quantity_of(annotation: Any) -> Quantity | None:
+    """What the numbers of an annotation mean, None where it takes none."""
+    return next((extra for extra in _unpack(annotation)[1] if isinstance(extra, Quantity)), None)
+
+
 def _quantity(extras: tuple[Any, ...]) -> Quantity:
     return next((extra for extra in extras if isinstance(extra, Quantity)), Quantity())
 

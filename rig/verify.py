@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from rig.axes import plain_axes, read_axes
 from rig.errors import InputError
+from rig.expect import plain_expect, read_expect
 from rig.scene import Protocol
 from rig.strict import Notes, Unreadable, grammar, plain, value_of
 from rig.tree import node_of
@@ -21,6 +24,8 @@ def verify(protocol: Protocol) -> None:
         except Unreadable:
             continue
     read_axes(node_of(plain_axes(protocol.vary)), notes)
+    with suppress(Unreadable):
+        read_expect(node_of([plain_expect(claim) for claim in protocol.expect]), notes)
     if protocol.faults:
         notes.reject("", "faults", "faults, not built yet", "()")
     if notes.mistakes:

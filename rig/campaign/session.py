@@ -5,6 +5,7 @@ from dataclasses import asdict
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
 from rig.campaign.setup import Campaign
+from rig.cases import cases
 from rig.drive.exciter import Demand
 from rig.ledger import COLUMNS
 from rig.plan import Run, condition_facts, prediction_document, predictions
@@ -18,9 +19,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     """Everything that a session file holds except the samples."""
     found = predictions(campaign.conditions, campaign.rig, 1)
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
-    facts = [
-        condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions
-    ]
+    facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
     rate = campaign.lengths[campaign.conditions[0].id].rate
     return SessionPlan(
         rate=rate,
@@ -28,7 +27,8 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         runs=tuple(_run_plan(campaign, run, created) for run in campaign.runs),
         conditions=tuple(facts),
         protocol_text=campaign.text,
-        protocol={"name": protocol.name, "question": protocol.question, "resolved": dump_protocol(protocol)},
+        protocol={"name": protocol.name, "question": protocol.question, "resolved": dump_protocol(protocol),
+                  "expect": cases(protocol, campaign.conditions)},
         documents={
             "prediction": prediction_document(found),
             "rig": {"name": campaign.rig.name, "provenance": dict(campaign.rig.provenance),

@@ -175,9 +175,3 @@ def test_a_protocol_built_in_python_is_checked_too() -> None:
     with pytest.raises(InputError) as caught:
         protocol.conditions()
     assert [mistake.field for mistake in caught.value.mistakes] == ["scene.grains.fill", "vary.drive.frequncy"]
-
-
-def test_expectations_are_kept_as_written() -> None:
-    protocol = load_protocol(f"{LEAST}expect:\n  - {{best: scene.grains.fill, value: 0.9}}\n  - {{rises: [1, 2]}}\n")
-    assert protocol.expect == ({"best": "scene.grains.fill", "value": 0.9}, {"rises": [1, 2]})
-    assert load_protocol(dump_protocol(protocol)) == protocol

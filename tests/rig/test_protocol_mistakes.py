@@ -92,7 +92,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("seed: 1.5", ["seed: found 1.5", "a whole number"]),
         ("faults: [{channel: force}]", ["faults, not built yet"]),
         ("expect: 3", ["expect: found 3"]),
-        ("expect: [3]", ["expect: found 3", "a mapping for each claim"]),
+        ("expect: [3]", ["expect[1]: found 3", "a mapping for each claim"]),
         ("rig: defalt", ["protocol:3: rig: found no rig 'defalt'", "did you mean 'default'?"]),
         ("rig: ../nowhere.yaml", ["no rig"]),
         (f"rig: {'x' * 5000}", ["no rig"]),

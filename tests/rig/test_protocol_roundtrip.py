@@ -12,6 +12,7 @@ from rig.catalog import names
 from rig.catalog.shelves import sensors_for
 from rig.catalog.writer import write_text, write_yaml
 from rig.errors import InputError
+from rig.expect import KINDS
 from rig.protocol import dump_protocol, load_protocol, protocol_template
 from rig.scene import (
     BUILT_BEDS,
@@ -20,6 +21,7 @@ from rig.scene import (
     Cavity,
     Dashpot,
     Drive,
+    Expect,
     Grains,
     Layers,
     Protocol,
@@ -104,7 +106,35 @@ def grids(draw: st.DrawFn) -> tuple[Vary, ...]:
     return tuple(axes)
 
 
-plain_values = st.none() | st.booleans() | st.integers(-(10**9), 10**9) | st.floats(-1e9, 1e9) | st.text(max_size=10)
+CLAIMED = sorted(set(VALUES) - {"scene.losses", "scene.dashpot"})
+words = st.text(min_size=1, max_size=20).filter(str.strip)
+margins = st.floats(1e-6, 1)
+
+
+@st.composite
+def claims(draw: st.DrawFn) -> Expect:
+    """Any claim that a protocol file can hold."""
+    kind = draw(st.sampled_from(sorted(KINDS)))
+    paths = draw(st.lists(st.sampled_from(CLAIMED), unique=True, max_size=2))
+    parts: dict[str, Any] = {"claim": draw(words), "kind": kind, "imposed": draw(st.just("") | words)}
+    parts["at"] = {path: tuple(draw(st.lists(VALUES[path], min_size=1, max_size=2))) for path in paths}
+    path = parts["path"] = "drive.acceleration" if kind == "nonlinear" else draw(st.sampled_from(CLAIMED))
+    several = {"optimum": (1, 3), "order": (2, 3), "rise": (2, 2), "fall": (2, 2), "nearly_zero": (2, 2)}
+    if kind in several:
+        least, most = several[kind]
+        wide = path if path != "scene.layers.side_walls" else "scene.grains.fill"  # it has two values only
+        parts["path"] = wide
+        parts["values"] = tuple(draw(st.lists(VALUES[wide], min_size=least, max_size=most, unique=True)))
+    if "over" in KINDS[kind]:
+        parts["over"] = draw(st.just("") | st.sampled_from(CLAIMED))
+    if "margin" in KINDS[kind]:
+        parts["limits"] = (draw(margins),)
+    if kind == "offset_within":
+        parts["path"] = draw(st.just("") | st.just(path))
+        parts["limits"] = tuple(sorted(draw(st.lists(st.floats(-1, 100), min_size=2, max_size=2, unique=True))))
+    return Expect(**parts)
+
+
 protocols = st.builds(
     Protocol,
     name=st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", fullmatch=True).map(str.strip),
@@ -115,9 +145,7 @@ protocols = st.builds(
     vary=grids(),
     repeats=st.builds(Repeats, st.integers(1, 100), st.booleans()),
     seed=st.integers(0, 2**63 - 1),
-    expect=st.lists(
-        st.dictionaries(st.text(max_size=10), plain_values | st.lists(plain_values, max_size=3), max_size=3), max_size=2
-    ).map(tuple),
+    expect=st.lists(claims(), max_size=3).map(tuple),
 )
 quick = settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 
