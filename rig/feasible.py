@@ -63,6 +63,9 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
         beds = f"{', '.join(able)} ({', '.join(waiting)}: not built yet)" if waiting else ", ".join(able)
         found = f"axis {scene.axis} with bed {scene.bed}"
         yield Conflict(("scene.axis", "scene.bed"), found, f"horizontal for this bed; on this axis the beds {beds}")
+    if scene.axis != "horizontal" and scene.support == "guide":
+        found = f"axis {scene.axis} with support guide, which carries the weight across the drive"
+        yield Conflict(("scene.support", "scene.axis"), found, "none or cords on this axis")
 
 
 def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:

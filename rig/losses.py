@@ -1,6 +1,12 @@
-"""Losses of the box itself, beside the grains: `noise` (viscous) and `air` (quadratic). Forces act ON the box."""
+"""Losses beside the grains' own: noise, air, gas, mount. Forces act ON the box, energies are J per cycle.
 
-from dataclasses import dataclass
+`noise` is viscous, -c v; `air` quadratic, -k v |v|; `gas` the viscous equivalent of the drag inside the bed (rig/gas.py);
+`mount` is what carries the box: guides, Coulomb friction -f sign(v), or cords, structural damping, in every harmonic
+-eta k v_h/(h w), whose energy pi eta k X^2 does not know the frequency. The cords' stiffness itself is left out: it
+takes no energy.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +17,12 @@ Array = NDArray[np.float64]
 
 QUADRATURE_POINTS = 4096
 AIR_DENSITY = 1.204
+AIR_VISCOSITY = 1.81e-5
 SOUND_SPEED = 343.0
+"""Air at 20 degrees and 101 kPa: kg/m^3, Pa s, m/s."""
+
+LOST = ("W_noise", "W_air", "W_gas", "W_mount")
+"""Ledger columns of the loss channels, in the order of `Losses.energies`."""
 
 
 @dataclass(frozen=True)
@@ -20,17 +31,32 @@ class Losses:
 
     noise : N s/m, force -c v; the viscous equivalent of radiated sound (the paper's "noise")
     air : N s^2/m^2, force -k v |v|
+    gas : N s/m, force -c v; the viscous equivalent of the gas drag inside the bed
+    guide : N, force -f sign(v), f = mu M g of the moving weight
+    cords : N/m, eta k of the cords
     """
 
     noise: float = 0.0
     air: float = 0.0
+    gas: float = 0.0
+    guide: float = 0.0
+    cords: float = 0.0
+
+    def energies(self, motion: Waveform) -> Array:
+        """Energy that each channel of `LOST` takes per cycle, J."""
+        return np.array(
+            [
+                viscous_energy(self.noise, motion),
+                quadratic_energy(self.air, motion),
+                viscous_energy(self.gas, motion),
+                friction_energy(self.guide, motion) + structural_energy(self.cords, motion),
+            ]
+        )
 
 
 def viscous_energy(coefficient: float, motion: Waveform) -> float:
     """Energy that -c v takes per cycle, J: closed-loop integral of c v^2 dt, exact; pi c w X^2 for a sine."""
-    harmonics = np.arange(1, len(motion.sine) + 1)
-    power = float(np.sum((np.square(motion.sine) + np.square(motion.cosine)) / harmonics**2))
-    return float(0.5 * coefficient * motion.velocity_unit**2 * power / motion.frequency)
+    return float(0.5 * coefficient * motion.velocity_unit**2 * _harmonic_sum(motion, 2) / motion.frequency)
 
 
 def quadratic_energy(coefficient: float, motion: Waveform) -> float:
@@ -41,17 +67,82 @@ def quadratic_energy(coefficient: float, motion: Waveform) -> float:
     return float(coefficient * np.mean(np.abs(motion.at(phase)[1]) ** 3) / motion.frequency)
 
 
+def friction_energy(force: float, motion: Waveform) -> float:
+    """Energy that -f sign(v) takes per cycle, J: f times the way that the box goes; 4 f X for a sine."""
+    return 0.0 if force == 0.0 else force * way(motion)
+
+
+def structural_energy(coefficient: float, motion: Waveform) -> float:
+    """Energy that structural damping takes per cycle, J, exact: pi eta k X_h^2 in each of the h cycles of harmonic h."""
+    return float(np.pi * coefficient * motion.length_unit**2 * _harmonic_sum(motion, 3))
+
+
+def way(motion: Waveform) -> float:
+    """Way that the box goes in one cycle, m: positions at the turning points, added up; 4 X for a sine.
+
+    Turning points are found between samples, by a secant: the position there is flat, an error of 1e-7 rad is one of
+    1e-14 of X.
+    """
+    phase = 2.0 * np.pi * (np.arange(QUADRATURE_POINTS + 1) + 0.5) / QUADRATURE_POINTS
+    velocity = motion.at(phase)[1]
+    before = np.flatnonzero((velocity[:-1] >= 0.0) != (velocity[1:] >= 0.0))
+    share = velocity[before] / (velocity[before] - velocity[before + 1])
+    turning = motion.at(phase[before] + share * (phase[1] - phase[0]))[0]
+    return float(np.abs(np.diff(turning, append=turning[:1])).sum())
+
+
+def by_order(motion: Waveform) -> Waveform:
+    """The motion with every harmonic divided by its order: structural damping pulls with -(eta k/w) times its velocity."""
+    orders = range(1, len(motion.sine) + 1)
+    return replace(
+        motion,
+        sine=tuple(p / h for p, h in zip(motion.sine, orders, strict=True)),
+        cosine=tuple(q / h for q, h in zip(motion.cosine, orders, strict=True)),
+    )
+
+
 def mean_force(losses: Losses, position: Array, velocity: Array, interval: float) -> Array:
-    """Mean force of the losses on the box over each interval between edges, N, shape (edges - 1,).
+    """Mean force of all channels but the cords over each interval between edges, N, shape (edges - 1,).
 
     The viscous part is exact (-c dx/dt); the quadratic part is the trapezoid of v |v|, off by (w h)^2/12 of itself:
-    2e-7 at 4096 intervals per cycle.
+    2e-7 at 4096 intervals per cycle; the friction part is exact up to the secant that finds a turning point inside an
+    interval.
     """
-    force: Array = (-losses.noise / interval) * np.diff(position)
+    force: Array = (-(losses.noise + losses.gas) / interval) * np.diff(position)
     if losses.air != 0.0:
         pull = velocity * np.abs(velocity)
         force -= (0.5 * losses.air) * (pull[1:] + pull[:-1])
+    if losses.guide != 0.0:
+        force -= losses.guide * mean_sign(velocity)
     return force
+
+
+def mean_sign(velocity: Array) -> Array:
+    """Mean of sign(v) over each interval between edges, for a velocity that is straight in between; 0 at rest."""
+    speed = np.abs(velocity)
+    both = speed[1:] + speed[:-1]
+    return np.divide(velocity[1:] + velocity[:-1], both, out=np.zeros_like(both), where=both > 0.0)
+
+
+def mean_cord_force(coefficient: float, omega: float, position: Array, interval: float) -> Array:
+    """Mean force of the cords over each interval between edges, N, exact; `position` (m) is that of `by_order`."""
+    force: Array = (-coefficient / (omega * interval)) * np.diff(position)
+    return force
+
+
+def guide_force(friction: float, mass: float, gravity: float) -> float:
+    """Friction of a guide under the moving weight, N: mu M g."""
+    return friction * mass * gravity
+
+
+def cord_coefficient(loss_factor: float, frequency: float, mass: float) -> float:
+    """eta k of cords on which a mass (kg) swings at a frequency (Hz), N/m."""
+    return float(loss_factor * mass * (2.0 * np.pi * frequency) ** 2)
+
+
+def _harmonic_sum(motion: Waveform, power: int) -> float:
+    harmonics = np.arange(1, len(motion.sine) + 1)
+    return float(np.sum((np.square(motion.sine) + np.square(motion.cosine)) / harmonics**power))
 
 
 def drag_of_box(height: float, width: float) -> float:

@@ -12,7 +12,7 @@ from rig.catalog.entries import Rig
 from rig.drive.sampling import Edges, Sampling
 from rig.drive.waveform import Waveform
 from rig.ledger import COLUMNS, account
-from rig.losses import Losses, mean_force, quadratic_energy, viscous_energy
+from rig.losses import Losses, by_order, cord_coefficient, guide_force, mean_cord_force, mean_force
 from rig.scene import Cavity, Scene
 
 Array = NDArray[np.float64]
@@ -28,11 +28,15 @@ def box_mass(cavity: Cavity, wall_density: float) -> float:
     return wall_density * (outer - inner)
 
 
-def losses_of(scene: Scene, rig: Rig) -> Losses:
-    """The loss channels that the scene switches on, with the rig's coefficients."""
+def losses_of(scene: Scene, rig: Rig, mass: float) -> Losses:
+    """The loss channels that the scene switches on, with the rig's coefficients; `mass` (kg) is what the mount carries:
+    box, gauge side and bed. A box that nothing carries loses nothing to its mount."""
+    mount = scene.support if "mount" in scene.losses else "none"
     return Losses(
         noise=rig.loss_noise if "noise" in scene.losses else 0.0,
         air=rig.loss_air if "air" in scene.losses else 0.0,
+        guide=guide_force(rig.guide_friction, mass, rig.gravity) if mount == "guide" else 0.0,
+        cords=cord_coefficient(rig.cord_loss_factor, rig.cord_frequency, mass) if mount == "cords" else 0.0,
     )
 
 
@@ -59,9 +63,10 @@ class Stand:
         self.motion = motion
         self._sampling = Sampling(motion, rate / motion.frequency)
         self._bed: Bed = BEDS[scene.bed](scene, rig, filling, self._sampling)
-        self._losses = losses_of(scene, rig)
         self._rigid = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass
-        self._lost = (viscous_energy(self._losses.noise, motion), quadratic_energy(self._losses.air, motion))
+        self._losses = losses_of(scene, rig, self._rigid + self._bed.mass)
+        self._lost = self._losses.energies(motion)
+        self._cords = Sampling(by_order(motion), rate / motion.frequency) if self._losses.cords else None
         self._kinetic = self._bed.kinetic_at_start
         self._inertial = np.pi * (self._rigid + self._bed.mass) * motion.velocity_unit**2
         self._cycles = 0
@@ -102,7 +107,7 @@ class Stand:
         """The interval means of the next chunk of whole cycles, shape (2, intervals); one less at the very start."""
         box = self._box_means(self._sampling.edges(self._cycles, CHUNK_CYCLES))
         reaction = self._bed.advance(CHUNK_CYCLES)
-        self._rows.append(account(reaction, self._kinetic, *self._lost, self._inertial))
+        self._rows.append(account(reaction, self._kinetic, self._lost, self._inertial))
         self._kinetic = float(reaction.kinetic[-1])
         out = np.empty((2, reaction.momentum.size))
         np.multiply(np.diff(reaction.momentum, prepend=self._last_momentum), self.rate, out=out[0])
@@ -118,5 +123,8 @@ class Stand:
         if self._box is None or self._box.edges is not edges:
             acceleration = np.diff(edges.velocity) * self.rate
             lost = mean_force(self._losses, edges.position, edges.velocity, 1.0 / self.rate)
+            if self._cords is not None:
+                position = self._cords.edges(self._cycles, CHUNK_CYCLES).position
+                lost += mean_cord_force(self._losses.cords, self.motion.omega, position, 1.0 / self.rate)
             self._box = BoxMeans(edges, acceleration, self._rigid * acceleration - lost)
         return self._box

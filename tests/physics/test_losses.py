@@ -1,32 +1,139 @@
 """Loss channels against their closed forms and their force against their energy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from rig.beds.stack import nominal, stack
+from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
-from rig.losses import Losses, mean_force, quadratic_energy, viscous_energy
+from rig.ledger import CLOSES, COLUMNS
+from rig.losses import (
+    LOST,
+    Losses,
+    by_order,
+    friction_energy,
+    mean_cord_force,
+    mean_force,
+    mean_sign,
+    quadratic_energy,
+    structural_energy,
+    viscous_energy,
+    way,
+)
+from rig.scene import Scene
+from rig.stand import Stand, box_mass, losses_of
+
+SINE = Waveform(20.0, 5.0)
+IMPERFECT = Waveform(20.0, 5.0, (1.0, 0.0, 0.1), (0.0, 0.0, 0.05))
+CYCLE = 4096
 
 
 def test_viscous_loss_of_a_sine() -> None:
-    motion = Waveform(20.0, 5.0)
-    assert viscous_energy(7.0, motion) == pytest.approx(np.pi * 7.0 * motion.omega * motion.length_unit**2, rel=1e-13)
+    assert viscous_energy(7.0, SINE) == pytest.approx(np.pi * 7.0 * SINE.omega * SINE.length_unit**2, rel=1e-13)
 
 
 def test_quadratic_loss_of_a_sine() -> None:
     """8/3 k w^2 X^3; |v|^3 has a jump in its third derivative: midpoint error O(n^-4) at 4096 points."""
-    motion = Waveform(20.0, 5.0)
-    exact = 8.0 / 3.0 * 7.0 * motion.omega**2 * motion.length_unit**3
-    assert quadratic_energy(7.0, motion) == pytest.approx(exact, rel=1e-10)
+    exact = 8.0 / 3.0 * 7.0 * SINE.omega**2 * SINE.length_unit**3
+    assert quadratic_energy(7.0, SINE) == pytest.approx(exact, rel=1e-10)
 
 
-@pytest.mark.parametrize("losses", [Losses(noise=50.0), Losses(air=3000.0), Losses(50.0, 3000.0)])
-def test_mean_force_does_the_work_of_its_channel(losses: Losses) -> None:
-    motion = Waveform(20.0, 5.0, (1.0, 0.0, 0.1), (0.0, 0.0, 0.05))
-    n = 4096
-    position, velocity = motion.at(2 * np.pi * np.arange(n + 1) / n)
-    interval = 1.0 / (20.0 * n)
-    force = mean_force(losses, position, velocity, interval)
+def test_friction_and_structural_loss_of_a_sine() -> None:
+    """4 f X and pi eta k X^2."""
+    assert friction_energy(3.0, SINE) == pytest.approx(4.0 * 3.0 * SINE.length_unit, rel=1e-13)
+    assert structural_energy(900.0, SINE) == pytest.approx(np.pi * 900.0 * SINE.length_unit**2, rel=1e-13)
+
+
+@given(st.floats(1.0, 60.0), st.floats(0.5, 20.0))
+@settings(max_examples=20, deadline=None)
+def test_the_mount_does_not_know_the_frequency(frequency: float, acceleration: float) -> None:
+    """At equal stroke, friction and structural damping take the same energy at any frequency."""
+    slow = Waveform(1.0, acceleration)
+    fast = Waveform(frequency, acceleration * frequency**2)
+    for energy in (friction_energy, structural_energy):
+        assert energy(2.0, fast) == pytest.approx(energy(2.0, slow), rel=1e-12)
+
+
+def test_the_way_counts_every_turning_point() -> None:
+    """A strong third harmonic turns the box six times a cycle: extrema of the position on a fine grid, off by
+    (pi/2^20)^2/2 = 5e-12 of it each."""
+    motion = Waveform(20.0, 5.0, (1.0, 0.0, 6.0), (0.0, 0.0, 2.0))
+    position = motion.at(2 * np.pi * np.arange(2**20 + 1) / 2**20)[0]
+    assert way(motion) == pytest.approx(float(np.abs(np.diff(position)).sum()), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "losses", [Losses(noise=50.0), Losses(air=3000.0), Losses(50.0, 3000.0), Losses(gas=4.0), Losses(guide=3.0)]
+)
+@pytest.mark.parametrize("motion", [SINE, IMPERFECT])
+def test_mean_force_does_the_work_of_its_channel(losses: Losses, motion: Waveform) -> None:
+    # an odd shift: turning points fall inside intervals
+    position, velocity = motion.at(2 * np.pi * (np.arange(CYCLE + 1) + 0.31) / CYCLE)
+    force = mean_force(losses, position, velocity, 1.0 / (motion.frequency * CYCLE))
     done = -float(np.sum(force * np.diff(position)))
-    expected = viscous_energy(losses.noise, motion) + quadratic_energy(losses.air, motion)
     # means of F and v multiply: (w h)^2/12 relative per harmonic, 2e-7 for the first, 2e-6 for the third
-    assert done == pytest.approx(expected, rel=3e-6)
+    assert done == pytest.approx(float(losses.energies(motion).sum()), rel=3e-6)
+
+
+@pytest.mark.parametrize("motion", [SINE, IMPERFECT])
+def test_cords_do_the_work_of_structural_damping(motion: Waveform) -> None:
+    phase = 2 * np.pi * np.arange(CYCLE + 1) / CYCLE
+    force = mean_cord_force(800.0, motion.omega, by_order(motion).at(phase)[0], 1.0 / (motion.frequency * CYCLE))
+    done = -float(np.sum(force * np.diff(motion.at(phase)[0])))
+    assert done == pytest.approx(structural_energy(800.0, motion), rel=3e-6)  # as above
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_mean_sign_is_the_integral_of_the_sign(before: float, after: float) -> None:
+    """Over a straight velocity, against 10001 midpoints: one of them may fall on the wrong side."""
+    share = (np.arange(10001) + 0.5) / 10001
+    fine = float(np.mean(np.sign(before + (after - before) * share)))
+    assert mean_sign(np.array([before, after]))[0] == pytest.approx(fine, abs=2.5e-4)
+
+
+def test_a_box_at_rest_feels_no_friction() -> None:
+    assert (mean_sign(np.zeros(4)) == 0.0).all()
+
+
+@pytest.mark.parametrize("support", ["guide", "cords"])
+@pytest.mark.parametrize("bed", ["empty", "locked", "layers"])
+def test_the_mount_takes_its_closed_form_of_the_moving_mass(rig: Rig, steel: Scene, support: str, bed: str) -> None:
+    """4 mu M g X and pi eta k X^2, k of the 2 Hz mode, M of box, gauge side and bed; nothing where it is not listed."""
+    scene = replace(steel, bed=bed, losses=("mount",), support=support)
+    grains = 0.0 if bed == "empty" else stack(scene, rig, nominal(scene, rig)).mass
+    mass = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + grains
+    X = SINE.length_unit
+    expected = {
+        "guide": 4.0 * rig.guide_friction * mass * rig.gravity * X,
+        "cords": np.pi * rig.cord_loss_factor * mass * (2.0 * np.pi * rig.cord_frequency) ** 2 * X**2,
+    }[support]
+    stand = Stand(scene, rig, SINE, nominal(scene, rig), CYCLE * 20.0)
+    signal = stand.read(8 * CYCLE)
+    ledger = stand.drain_ledger()[:8]
+    assert ledger[:, COLUMNS.index("W_mount")] == pytest.approx(np.full(8, expected), rel=1e-12)
+    assert np.abs(ledger[:, COLUMNS.index("closure")]).max() < CLOSES
+    bare = Stand(replace(scene, losses=()), rig, SINE, nominal(scene, rig), CYCLE * 20.0).read(8 * CYCLE)
+    velocity = SINE.velocity_unit * np.cos(2 * np.pi * (np.arange(8 * CYCLE) + 0.5) / CYCLE)
+    done = float(np.mean((signal[0] - bare[0])[: 4 * CYCLE] * velocity[: 4 * CYCLE])) / 20.0
+    # the first interval ends one edge late; interval means against points: (2 pi/4096)^2/24 = 1e-7
+    assert done == pytest.approx(expected, rel=1e-6)
+    assert (signal[1] == bare[1]).all()
+
+
+@pytest.mark.parametrize("losses, support", [((), "guide"), (("noise", "air"), "cords"), (("mount",), "none")])
+def test_the_mount_is_off_unless_listed_and_supported(
+    rig: Rig, steel: Scene, losses: tuple[str, ...], support: str
+) -> None:
+    found = losses_of(replace(steel, losses=losses, support=support), rig, 50.0)
+    assert found.guide == found.cords == 0.0
+
+
+def test_every_channel_has_a_column() -> None:
+    energies = Losses(1.0, 1.0, 1.0, 1.0, 1.0).energies(SINE)
+    assert energies.shape == (len(LOST),)
+    assert set(LOST) <= set(COLUMNS)
+    assert (energies > 0).all()
