@@ -32,7 +32,9 @@ Varies = Annotated[
 Seed = Annotated[int | None, typer.Option(help="Session seed instead of the protocol's.")]
 RigFile = Annotated[str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")]
 Json = Annotated[bool, typer.Option("--json", help="Print results as JSON and nothing else.")]
-Strict = Annotated[bool, typer.Option("--strict", help="An exciter beyond its limits is an error, before anything runs.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="An exciter beyond its limits is an error, before anything runs.")
+]
 
 
 @app.command()
@@ -54,7 +56,7 @@ def run(
 
     Example: rig run protocols/fill_rate.yaml --workers 2
     """
-    from rig.cli.jobs import run_protocol
+    from rig.cli.run import run_protocol
 
     campaign = _campaign(protocol, set_, vary, seed, rig)
     folder = out if out is not None else Path("sessions") / campaign.protocol.name
@@ -70,21 +72,21 @@ def check(
 
     Example: rig check protocols/fill_rate.yaml --set drive.acceleration="8 m/s^2"
     """
-    from rig.cli.jobs import check_protocol
+    from rig.cli.check import check_protocol
 
     raise typer.Exit(check_protocol(_campaign(protocol, set_, vary, seed, rig), strict, json))
 
 
 @app.command()
 def model(
-    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file; default: the defaults.")] = None,
+    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file; else defaults.")] = None,
     rig: RigFile = None, set_: Sets = None, vary: Varies = None, json: Json = False,
 ) -> None:  # fmt: skip
     """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
 
     Example: rig model --set scene.grains.diameter="5 mm" --vary drive.acceleration=[2,4,6]
     """
-    from rig.cli.jobs import model_table
+    from rig.cli.model import model_table
 
     model_table(_load(protocol or _DEFAULTS, set_, vary, None, rig), json)
 
@@ -92,14 +94,14 @@ def model(
 @app.command()
 def report(
     session: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")],
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for the report; default: the session's.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Report folder; default: the session's.")] = None,
     json: Json = False,
 ) -> None:  # fmt: skip
     """Analyse recorded sessions again, from the records alone.
 
     Example: rig report sessions/fill_rate
     """
-    from rig.cli.jobs import report_sessions
+    from rig.cli.sessions import report_sessions
 
     raise typer.Exit(report_sessions(session, out, json))
 
@@ -112,7 +114,7 @@ def info(
 
     Example: rig info sessions/fill_rate
     """
-    from rig.cli.jobs import session_info
+    from rig.cli.sessions import session_info
 
     session_info(session, json)
 
@@ -129,7 +131,7 @@ def calibrate(
 
     Example: rig calibrate protocols/density.yaml --target 0.07 --out my_rig.yaml
     """
-    from rig.cli.jobs import calibrate_rig
+    from rig.cli.calibrate import calibrate_rig
 
     calibrate_rig(_campaign(protocol, set_, vary, seed, rig), target, out, force, json)
 
@@ -159,7 +161,7 @@ def catalog(
 
     Example: rig catalog exciter
     """
-    from rig.cli.jobs import catalog_table
+    from rig.cli.catalog import catalog_table
 
     catalog_table(kind, json)
 
@@ -167,13 +169,17 @@ def catalog(
 _DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
 
 
-def _load(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None) -> "LoadedProtocol":
+def _load(
+    source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
+) -> "LoadedProtocol":
     from rig.protocol import read_protocol
 
     return read_protocol(source, sets or (), varies or (), seed, rig)
 
 
-def _campaign(source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None) -> "Campaign":
+def _campaign(
+    source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
+) -> "Campaign":
     from rig.campaign import Campaign
     from rig.catalog import load_rig
 

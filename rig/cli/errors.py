@@ -1,4 +1,4 @@
-"""Errors a user can mend become one clear message and an exit code; anything else is a defect and keeps its traceback."""
+"""Errors a user can mend become one clear message and an exit code; any other is a defect with its traceback."""
 
 import sys
 from typing import Any

@@ -17,7 +17,7 @@ LINES = 12
 
 
 class LiveView:
-    """Takes the campaign's progress; draws on a terminal, and stays silent elsewhere but for every tenth of the runs."""
+    """Takes the campaign's progress; draws on a terminal, elsewhere says one line for every tenth of the runs."""
 
     def __init__(self, campaign: Campaign, console: Console) -> None:
         self._console = console

@@ -35,9 +35,9 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
     """The verdict table of a run: a line per condition, the agreement, the nulls, the verdict and its reasons."""
     rows = (
         (
-            c["id"], c["material"], c["bed"], f"{c['fill']:.0%}", number(c["diameter"] * 1e3), number(c["acceleration"]),
-            number(c["W_exp"]), number(c["U_W_exp"], 2), number(c["W_T"]), percent(c["offset"]),
-            number(c["E_n_chain"], 2),
+            c["id"], c["material"], c["bed"], f"{c['fill']:.0%}", number(c["diameter"] * 1e3),
+            number(c["acceleration"]), number(c["W_exp"]), number(c["U_W_exp"], 2), number(c["W_T"]),
+            percent(c["offset"]), number(c["E_n_chain"], 2),
         )
         for c in report["conditions"]
     )  # fmt: skip

@@ -1,0 +1,30 @@
+"""What commands share: results on the terminal or as JSON, and the processors they may use."""
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from rig.cli.tables import print_report
+
+PASSES = "passes"
+
+
+def print_json(value: Any) -> None:
+    """JSON on standard output, nothing else."""
+    print(json.dumps(value, indent=1, allow_nan=False))
+
+
+def print_result(report: Mapping[str, Any], folder: Path) -> None:
+    """The verdict table of a report, and where its page lies."""
+    console = Console()
+    print_report(console, report)
+    console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,88 @@
+"""`rig report` and `rig info`: recorded sessions, read again."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from daq.block import flag_names
+from daq.session import Record, open_session
+from rig.cli.output import PASSES, print_json, print_result
+from rig.cli.tables import number, table
+from rig.errors import InputError, Mistake
+
+
+def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -> int:
+    """`rig report`: analysis and agreement from the records alone."""
+    from analysis import read_session, write_report
+
+    if out is not None and len(sessions) > 1:
+        raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
+    reports = []
+    for session in sessions:
+        path = session_file(session)
+        with open_session(path) as record:
+            reports.append(read_session(record))
+        folder = out or path.parent
+        write_report(reports[-1], folder)
+        if not as_json:
+            print_result(reports[-1], folder)
+    if as_json:
+        print_json(reports[0] if len(reports) == 1 else reports)
+    return 0 if all(report["verdict"] == PASSES for report in reports) else 1
+
+
+def session_info(session: Path, as_json: bool) -> None:
+    """`rig info`."""
+    with open_session(session_file(session)) as record:
+        facts = _facts(record)
+    if as_json:
+        print_json(facts)
+        return
+    console = Console()
+    for name in ("protocol", "schema", "synthetic", "complete", "truth", "rate"):
+        console.print(f"{name}: {facts[name]}")
+    console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
+        (c["name"], c["model"], c["unit"], number(c["sensitivity"], 5), number(c["range_V"]), number(c["pole_Hz"]),
+         number(c["calibration_U"]))
+        for c in facts["channels"]
+    ], ("name", "model", "unit")))  # fmt: skip
+    console.print(table("Conditions", ("id", "grains", "bed", "fill", "d/mm", "a", "runs", "complete", "flags"), [
+        (c["id"], c["material"], c["bed"], f"{c['fill']:.0%}", number(c["diameter"] * 1e3),
+         number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
+        for c in facts["conditions"]
+    ], ("id", "grains", "bed", "flags")))  # fmt: skip
+    for name, value in facts["provenance"].items():
+        console.print(f"{name}: {value}", highlight=False)
+
+
+def _facts(record: Record) -> dict[str, Any]:
+    runs: dict[str, list[Any]] = {}
+    for run in record.runs:
+        runs.setdefault(run.condition, []).append(run)
+    return {
+        "protocol": (record.document("protocol") or {}).get("name", ""),
+        "schema": record.schema,
+        "synthetic": record.synthetic,
+        "complete": record.complete,
+        "truth": record.truth is not None,
+        "rate": record.rate,
+        "channels": [{**asdict(info), "pole_Hz": info.pole_Hz} for info in record.channels.values()],
+        "conditions": [
+            {
+                **condition,
+                "runs": len(runs.get(key, [])),
+                "complete_runs": sum(run.complete for run in runs.get(key, [])),
+                "flags": sorted({name for run in runs.get(key, []) for name in flag_names(run.flags)}),
+            }
+            for key, condition in record.conditions.items()
+        ],
+        "provenance": record.document("provenance") or {},
+    }
+
+
+def session_file(session: Path) -> Path:
+    """The session file itself, or the one in a folder."""
+    return session / "session.h5" if session.is_dir() else session
