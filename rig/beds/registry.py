@@ -11,9 +11,9 @@ from rig.drive.sampling import Sampling
 from rig.scene import Scene
 
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
-    "empty": lambda scene, rig, filling, sampling: Locked(0.0, sampling),
-    "locked": lambda scene, rig, filling, sampling: Locked(bed_mass(scene, filling.packing), sampling),
-    "dashpot": lambda scene, rig, filling, sampling: Dashpot(scene.dashpot.c, sampling),
+    "empty": lambda _scene, _rig, _filling, sampling: Locked(0.0, sampling),
+    "locked": lambda scene, _rig, filling, sampling: Locked(bed_mass(scene, filling.packing), sampling),
+    "dashpot": lambda scene, _rig, _filling, sampling: Dashpot(scene.dashpot.c, sampling),
     "layers": lambda scene, rig, filling, sampling: Layers(stack(scene, rig, filling), sampling),
 }
 """Bed by name: (scene, rig, filling, sampling) -> a bed at rest in the box at the start of the motion."""

@@ -10,9 +10,9 @@ from scipy.special import stdtrit
 
 from analysis.uncertainty import angle_uncertainty, certificate_lines, combine
 from daq.channel import ChannelInfo
+from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
 from daq.seeds import stream
-from daq.fir import OVERSAMPLING
 from rig.beds.stack import nominal, refill, stack
 from rig.campaign.setup import PASS_BAND, Campaign
 from rig.drive.exciter import Demand, demand
@@ -133,7 +133,7 @@ def apparent_mass(stand: Stand, motion: Waveform) -> float:
 def _plan(
     campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], W: float, reactive: float
 ) -> tuple[float, float, float]:
-    """Expected U of W_exp, the factor from the scatter of one run to the smallest decidable difference, that scatter."""
+    """Expected U of W_exp, the factor from one run's scatter to the smallest decidable difference, that scatter."""
     n = campaign.protocol.repeats.n
     s = _scatter(campaign, condition)
     lines = certificate_lines(channels[0], channels[1], condition.drive.frequency, W, reactive)

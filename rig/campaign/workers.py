@@ -1,4 +1,4 @@
-"""Worker processes that compute runs and never see a file: parts of runs through a bounded queue, whatever their number.
+"""Worker processes that compute runs and never see a file: parts of runs go through a bounded queue.
 
 Processes and not threads: the work is many short array operations, which one interpreter lock would serialise
 (docs/decisions/0002-worker-processes.md).

@@ -9,6 +9,7 @@ from rig.catalog.entries import Exciter
 from rig.drive.waveform import Waveform
 
 Array = NDArray[np.float64]
+Spectrum = NDArray[np.complexfloating]
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,8 @@ def demand(exciter: Exciter, force: Array, rate: float, motion: Waveform, band: 
         box[h * cycles] = motion.length_unit / h**2 * (cosine - 1j * sine)
     jw = 1j * motion.omega * order
     armature = box + pull / (exciter.stinger_stiffness + jw * exciter.stinger_damping)
-    flexure = exciter.flexure_stiffness + jw * _damping(exciter.flexure_damping_ratio, exciter.flexure_stiffness,
-                                                       exciter.moving_mass)  # fmt: skip
-    mount = exciter.isolation_stiffness + jw * _damping(exciter.isolation_damping_ratio, exciter.isolation_stiffness,
-                                                        exciter.body_mass)  # fmt: skip
+    flexure = _spring(exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass, jw)
+    mount = _spring(exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass, jw)
     thrust_on_body = exciter.moving_mass * jw**2 * armature + pull
     body = -thrust_on_body / (exciter.body_mass * jw**2 + mount)
     relative = armature - body
@@ -70,5 +69,6 @@ def demand(exciter: Exciter, force: Array, rate: float, motion: Waveform, band: 
     return Demand(**rated, peak=peak / exciter.force_peak, buckling=peak / exciter.stinger_buckling)
 
 
-def _damping(ratio: float, stiffness: float, mass: float) -> float:
-    return float(2.0 * ratio * np.sqrt(stiffness * mass))
+def _spring(stiffness: float, ratio: float, mass: float, jw: Spectrum) -> Spectrum:
+    """Dynamic stiffness k + jw c, N/m, with c = 2 zeta sqrt(k m)."""
+    return stiffness + jw * float(2.0 * ratio * np.sqrt(stiffness * mass))

@@ -27,7 +27,12 @@ BED, BOX = 300.0, 20.0  # N s/m: of the full bed, of the box
 def conditions():
     return [
         condition(
-            f"c{i}{j}", fill=fill, bed_mass=44.8 * fill, carried=fill == 1, acceleration_set=a, settle_cycles=2,
+            f"c{i}{j}",
+            fill=fill,
+            bed_mass=44.8 * fill,
+            carried=fill == 1,
+            acceleration_set=a,
+            settle_cycles=2,
             record_cycles=8,
         )
         for i, fill in enumerate((0.0, 0.5, 0.9, 1.0))
@@ -48,9 +53,7 @@ def made(bench=None, seed=1, box=BOX):
         "protocol": {"name": "demo"},
         "rig": {"values": [{"path": "wall_friction", "value": 0.45, "unit": "", "status": "assumed", "source": "us"}]},
     }
-    return session(
-        table, lambda entry, _repeat: box + bed(entry), bench, np.random.default_rng(seed), **documents
-    )
+    return session(table, lambda entry, _repeat: box + bed(entry), bench, np.random.default_rng(seed), **documents)
 
 
 @pytest.fixture(scope="module")

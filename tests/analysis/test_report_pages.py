@@ -39,9 +39,7 @@ def report():
         "rig": {"values": [{"path": "mu", "value": 0.45, "unit": "", "status": "assumed", "source": "<b>us</b> | me"}]},
     }
     bench = Bench(channels=dict(NOMINAL), noise=(0.02, 5e-4), level_error=0.003, samples=6 * 512)
-    return read_session(
-        session(table, lambda entry, _r: 20 + bed(entry), bench, np.random.default_rng(4), **documents)
-    )
+    return read_session(session(table, lambda entry, _r: 20 + bed(entry), bench, np.random.default_rng(4), **documents))
 
 
 class Page(HTMLParser):

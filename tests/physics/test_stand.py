@@ -101,10 +101,13 @@ def test_the_ledger_closes(
     rig: Rig, fill: float, diameter: float, acceleration: float, play: float, side_walls: bool, seed: int
 ) -> None:
     scene = Scene(
-        grains=Grains(density=7900.0, diameter=diameter, fill=fill), layers=Layers(play=play, rows=3, side_walls=side_walls)
+        grains=Grains(density=7900.0, diameter=diameter, fill=fill),
+        layers=Layers(play=play, rows=3, side_walls=side_walls),
     )
     rng = np.random.default_rng(seed)
-    stand = Stand(scene, rig, waveform(Drive(acceleration=acceleration), 0.003, 0.01, rng), refill(scene, rig, rng), RATE)
+    stand = Stand(
+        scene, rig, waveform(Drive(acceleration=acceleration), 0.003, 0.01, rng), refill(scene, rig, rng), RATE
+    )
     signal = stand.read(12 * CYCLE)
     ledger = stand.drain_ledger()
     assert np.isfinite(signal).all()
@@ -136,7 +139,7 @@ def test_the_force_is_proportional_to_density(rig: Rig, steel: Scene) -> None:
 @given(st.floats(0.25, 4.0), st.floats(0.25, 4.0))
 @settings(max_examples=15, deadline=None)
 def test_dimensionless_groups_decide(rig: Rig, scale: float, time: float) -> None:
-    """Length x s, time x t, acceleration (with gravity) x s/t^2: energies scale as m L^2/T^2 = s^5 / t^2 at equal density."""
+    """Length x s, time x t, acceleration (with gravity) x s/t^2: energies go as m L^2/T^2 = s^5/t^2, density alike."""
     base = Scene(grains=Grains(density=7900.0, diameter=0.008, fill=0.8), losses=(), layers=Layers(rows=4))
     cavity = replace(base.cavity, length=0.15 * scale, width=0.15 * scale, height=0.4 * scale)
     big = replace(base, cavity=cavity, grains=replace(base.grains, diameter=0.008 * scale))

@@ -68,9 +68,7 @@ def test_between_nothing_and_the_bound(rig: Rig, fill: float, diameter: float, a
 
 
 def test_the_paper_tier_has_no_amplitude_in_its_friction_and_breaks_the_bound(rig: Rig) -> None:
-    points = [
-        predict(Condition("c", balls(), Drive(acceleration=a), Acquire(), ""), rig) for a in (0.01, 0.1, 1.0)
-    ]
+    points = [predict(Condition("c", balls(), Drive(acceleration=a), Acquire(), ""), rig) for a in (0.01, 0.1, 1.0)]
     assert points[0].W_T_paper == pytest.approx(points[1].W_T_paper, rel=1e-4)
     assert all(point.W_T_paper > point.bound for point in points)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from small_protocol import SMALL, Rig
 
+
 @pytest.fixture(scope="session")
 def rig_command(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     """The command `rig` in a process of its own, in an empty folder."""

@@ -79,15 +79,16 @@ def test_the_empty_box_shows_the_losses_and_nothing_else(nominal: Path) -> None:
 def test_the_contract_of_the_report(nominal: Path) -> None:
     """Every key of interfaces.md is there."""
     report = report_of(nominal)
-    assert {"schema", "protocol", "synthetic", "tests", "waveform", "conditions", "agreement", "claims", "nulls", "ledger",
-            "verdict"} <= set(report)  # fmt: skip
+    assert {"schema", "protocol", "synthetic", "tests", "waveform", "conditions", "agreement", "claims", "nulls",
+            "ledger", "verdict"} <= set(report)  # fmt: skip
     assert report["schema"] == "rig/agreement/1"
     condition = {"id", "material", "density", "diameter", "fill", "bed", "drive", "bed_mass", "frequency",
                  "acceleration_set", "acceleration", "period", "periodic_share", "dKE_bed", "runs", "W_exp", "s_W_exp",
-                 "U_W_exp", "k", "nu", "W_net", "W_detect", "eta", "M_eff", "thd_force", "thd_box", "W_T", "U_W_T", "W_f",
-                 "W_c", "W_T_paper", "bound", "exponent", "offset", "E_n", "E_n_chain", "offset_terms",
+                 "U_W_exp", "k", "nu", "W_net", "W_detect", "eta", "M_eff", "thd_force", "thd_box", "W_T", "U_W_T",
+                 "W_f", "W_c", "W_T_paper", "bound", "exponent", "offset", "E_n", "E_n_chain", "offset_terms",
                  "uncertainty"}  # fmt: skip
-    entry = {"run", "order", "acceleration", "W_exp", "W_exc", "W_kin", "W_phasor", "W_eq25", "W_coil", "cycles", "flags"}
+    entry = {"run", "order", "acceleration", "W_exp", "W_exc", "W_kin", "W_phasor", "W_eq25", "W_coil", "cycles",
+             "flags"}  # fmt: skip
     for c in report["conditions"]:
         assert condition <= set(c)
         assert all(entry <= set(r) for r in c["runs"])
@@ -107,7 +108,8 @@ def test_without_truth_no_measured_number_changes(nominal: Path, tmp_path: Path)
     with open_session(stripped) as record:
         found = read_session(record)
     for one, other in zip(report_of(nominal)["conditions"], found["conditions"], strict=True):
-        assert [(r["W_exp"], r["W_phasor"]) for r in one["runs"]] == [(r["W_exp"], r["W_phasor"]) for r in other["runs"]]
+        for key in ("W_exp", "W_phasor"):
+            assert [run[key] for run in one["runs"]] == [run[key] for run in other["runs"]]
         for key in ("W_exp", "U_W_exp", "k", "nu", "W_detect", "offset", "E_n"):
             assert one[key] == other[key]
         assert other["E_n_chain"] is None

@@ -21,7 +21,8 @@ def session(rig_command: Rig, small: Path, tmp_path_factory: pytest.TempPathFact
 
 
 def test_run_writes_what_it_says(session: Path) -> None:
-    assert {p.name for p in session.iterdir()} >= {"session.h5", "report.json", "report.csv", "report.md", "report.html"}
+    reports = {"report.json", "report.csv", "report.md", "report.html"}
+    assert {path.name for path in session.iterdir()} >= {"session.h5", *reports}
 
 
 def test_json_and_nothing_else(rig_command: Rig, small: Path, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ finally:
 
 def peak_megabytes(protocol: Path, out: Path, cycles: int) -> list[float]:
     """Peak memory of the writer and of its largest worker."""
-    words = ["run", str(protocol), "--out", str(out), "--set", "vary={}", "--set", f"acquire.record={cycles} cycles", "--json"]
+    words = ["run", str(protocol), "--out", str(out), "--json", "--set", "vary={}", "--set", f"acquire.record={cycles}"]
     done = subprocess.run([sys.executable, "-c", PEAK, *words], capture_output=True, text=True, check=True)
     return [float(word) for word in done.stderr.rpartition("peak")[2].split()]
 
