@@ -11,6 +11,7 @@ from rig.ledger import COLUMNS
 from rig.plan import Run, condition_facts, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
+from rig.settings import assumed_settings
 
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
@@ -32,7 +33,8 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         documents={
             "prediction": prediction_document(found),
             "rig": {"name": campaign.rig.name, "provenance": dict(campaign.rig.provenance),
-                    "values": [asdict(value) for value in campaign.rig.values]},
+                    "values": [*(asdict(value) for value in campaign.rig.values),
+                               *assumed_settings(campaign.conditions)]},
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
         },
         truth_documents={
