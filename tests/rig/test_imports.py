@@ -1,0 +1,125 @@
+"""Who may import whom, read from the source: the packages stay apart, and each library has one home."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+ALLOWED = {
+    "daq": ("daq", "numpy", "scipy", "h5py", "numba"),
+    "analysis": ("analysis", "daq.session", "daq.block", "daq.channel", "numpy", "scipy", "matplotlib"),
+    "rig.kernels": ("rig.kernels", "numpy", "numba"),
+    "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
+    "rig.beds": (
+        "rig.beds", "rig.theory", "rig.kernels", "rig.scene", "rig.catalog.entries", "rig.drive", "rig.losses",
+        "rig.errors", "numpy",
+    ),
+}  # fmt: skip
+"""All that a package imports beside the standard library."""
+
+HOMES = {
+    "analysis": ("analysis", "rig.campaign", "rig.cli"),
+    "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli"),
+    "daq.frontend": ("daq", "rig.campaign"),
+    "daq.acquisition": ("daq", "rig.campaign"),
+    "daq.transducer": ("daq", "rig.campaign"),
+    "rig.campaign": ("rig.campaign", "rig.cli", "rig"),
+    "rig.cli": ("rig.cli",),
+    "yaml": ("rig.catalog",),
+    "typer": ("rig.cli",),
+    "rich": ("rig.cli",),
+    "h5py": ("daq.session",),
+    "matplotlib": ("analysis.figures",),
+    "numba": ("daq", "rig.kernels"),
+}
+"""All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
+
+HEAVY = {"numpy", "numba", "h5py", "matplotlib", "scipy", "rich", "yaml"}
+
+
+def within(name: str, places: tuple[str, ...]) -> bool:
+    """Is a module one of the places, inside one, or a part of one (`daq.session_plan` is of `daq.session`)?"""
+    return any(name == place or name.startswith((f"{place}.", f"{place}_")) for place in places)
+
+
+def modules() -> dict[str, ast.Module]:
+    found = {}
+    for package in ("rig", "daq", "analysis"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+            found[name] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+MODULES = modules()
+
+
+def imported(name: str) -> Iterator[str]:
+    """What a module imports, anywhere in its text, without the standard library; of a package's names, the modules."""
+    for node in ast.walk(MODULES[name]):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name}: a relative import"
+            package = str(node.module)
+            names = [
+                f"{package}.{alias.name}" if f"{package}.{alias.name}" in MODULES else package for alias in node.names
+            ]
+        else:
+            continue
+        yield from (other for other in names if other.partition(".")[0] not in sys.stdlib_module_names)
+
+
+def test_the_walk_finds_imports() -> None:
+    """The rules below hold for nothing at all as well."""
+    assert {"h5py", "numpy"} <= set(imported("daq.session_hdf5"))
+    assert "rig.catalog" in set(imported("rig.instruments"))  # from rig import catalog
+    assert "analysis" in set(imported("rig.cli.sessions"))  # inside a function
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_a_package_imports_what_it_may_and_no_more(package: str) -> None:
+    inside = [name for name in MODULES if within(name, (package,))]
+    assert inside
+    assert [(name, other) for name in inside for other in imported(name) if not within(other, ALLOWED[package])] == []
+
+
+@pytest.mark.parametrize("module", HOMES)
+def test_a_module_is_imported_where_it_belongs_and_nowhere_else(module: str) -> None:
+    users = [(name, other) for name in MODULES for other in imported(name) if within(other, (module,))]
+    assert users
+    packages = tuple(home for home in HOMES[module] if home != "rig")
+    assert [use for use in users if not within(use[0], packages) and use[0] not in HOMES[module]] == []
+
+
+def in_a_fresh_process(program: str) -> str:
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_help_needs_no_heavy_library() -> None:
+    assert in_a_fresh_process(f"import sys, rig.cli; print(sorted({HEAVY!r} & set(sys.modules)))") == "[]"
+
+
+def test_the_model_needs_no_records_and_no_analysis() -> None:
+    program = "import sys, rig.cli.model; print(sorted({'analysis', 'h5py', 'matplotlib'} & set(sys.modules)))"
+    assert in_a_fresh_process(program) == "[]"
+
+
+def test_acquisition_and_analysis_live_without_the_stand() -> None:
+    program = """
+import importlib, pkgutil, sys
+sys.modules["rig"] = None
+for package in ("daq", "analysis"):
+    for module in pkgutil.walk_packages(importlib.import_module(package).__path__, package + "."):
+        importlib.import_module(module.name)
+print("done")
+"""
+    assert in_a_fresh_process(program) == "done"
