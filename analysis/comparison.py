@@ -5,11 +5,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
 from analysis.nulls import null_tests
+from analysis.ratio import energy_ratio, propagated
 from analysis.runs import ChannelFacts, RunEnergy, Setting
-from analysis.uncertainty import combine
 from analysis.verdict import CHAIN_SHARE, verdict
 
 __all__ = ["agreement"]
@@ -31,6 +32,7 @@ def agreement(
     synthetic: bool = False,
     assumed: Iterable[Mapping[str, Any]] = (),
     left_out: Sequence[Mapping[str, str]] = (),
+    expect: Iterable[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -38,7 +40,7 @@ def agreement(
     {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel": relative standard uncertainty, "W_T_paper",
     "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
-    source). left_out: runs that could not be used, with the reason.
+    source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -66,7 +68,7 @@ def agreement(
         "waveform": "ideal" if ideal else "measured",
         "conditions": [_row(result, empties) for result in results],
         "agreement": _agreement(results),
-        "claims": [],
+        "claims": judge(expect, {result.setting.id: result for result in results}),
         "nulls": [null.row() for null in nulls],
         "ledger": ledger,
         "chain": {"share": judged.chain_share, "needed": CHAIN_SHARE},
@@ -125,18 +127,17 @@ def _run_row(run: RunEnergy) -> dict[str, Any]:
 
 def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     """Energy-weighted ratio, slope through the origin, mean offset; errors common to all conditions stay common."""
-    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
-    if not told:
+    ratio = energy_ratio(results)
+    if ratio is None:
         names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset", "put_in")
         return dict.fromkeys(names, None) | {"n": 0}
+    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
     total, square = math.fsum(w for _, w in told), math.fsum(w * w for _, w in told)
-    ratio = math.fsum(r.W_exp.value for r, _ in told) / total
     slope = math.fsum(r.W_exp.value * w for r, w in told) / square
-    ratio_e = _propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in told])
-    slope_e = _propagated(slope, [(r, w / square, (r.W_exp.value - 2 * slope * w) / square) for r, w in told])
+    slope_e = propagated(slope, [(r, w / square, (r.W_exp.value - 2 * slope * w) / square) for r, w in told])
     offsets = [r.W_exp.value / w - 1 for r, w in told if r.comparable]
     return {
-        "ratio": ratio, "U_ratio": ratio_e.U, "k": ratio_e.k, "nu": ratio_e.nu, "slope": slope, "U_slope": slope_e.U,
+        "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu, "slope": slope, "U_slope": slope_e.U,
         "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
         "put_in": _put_in([r for r, _ in told], total),
     }  # fmt: skip
@@ -147,25 +148,6 @@ def _put_in(results: Sequence[Result], total: float) -> float | None:
     found = [_ledger_mean(result, column) for result in results for column in BOX_LOSSES]
     known = [value for value in found if value is not None]
     return math.fsum(known) / total if known else None
-
-
-def _propagated(value: float, weights: Sequence[tuple[Result, float, float]]) -> Estimate:
-    """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
-
-    Lines of a source that is shared between conditions add with their signs; the others add in quadrature.
-    """
-    shared: dict[str, float] = defaultdict(float)
-    nu: dict[str, float] = {}
-    parts: list[tuple[float, float]] = []
-    for result, d_exp, d_T in weights:
-        for line in result.lines:
-            part = d_exp * line.part + d_T * line.part_T
-            if line.shared:
-                shared[line.source] += part
-                nu[line.source] = line.nu
-            else:
-                parts.append((part, line.nu))
-    return combine(value, [*parts, *((part, nu[source]) for source, part in shared.items())])
 
 
 def _E_n(difference: Estimate | None) -> float | None:

@@ -88,6 +88,7 @@ def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None
         synthetic=record.synthetic,
         assumed=rig.get("values", ()),
         left_out=left_out,
+        expect=protocol.get("expect", ()),
     )
 
 

@@ -1,0 +1,241 @@
+"""The tests behind the claims: each takes the levels of one case and says what was found.
+
+A test at LEVEL gives `holds`; `does not hold` is tested at LEVEL over the number of cases, because one case is enough
+to contradict a claim; what neither test tells is `undecided`.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.conditions import Result
+from analysis.estimate import Estimate, coverage_factor
+from analysis.multiple import beaten, holm, one_sided_p
+from analysis.ratio import energy_ratio
+from analysis.uncertainty import RESOLUTION, combine
+
+__all__ = ["LEVEL", "TESTS", "Finding", "Level", "Question"]
+
+LEVEL = 0.05
+HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
+QUADRATIC = 2.0  # exponent of everything linear: W of a dashpot, of a phase error
+FEWEST_LEVELS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one case gives. ties: values that cannot be told from the best."""
+
+    found: str
+    verdict: str
+    why: str
+    ties: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """One value of the field a claim is about, and the conditions that have it (several where a mean is claimed)."""
+
+    label: str
+    results: tuple[Result, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is claimed of the levels: the values named, the limits fixed beforehand, the number of cases in all."""
+
+    values: tuple[str, ...]
+    limits: tuple[float, ...]
+    cases: int
+
+    @property
+    def against(self) -> float:
+        """Level of the test that contradicts the claim."""
+        return LEVEL / self.cases
+
+
+@dataclass(frozen=True, slots=True)
+class Logs:
+    """Means of ln W of the levels, runs behind each, common standard deviation of a run with its degrees of freedom.
+    seen: the energy stands out of its uncertainty; where not, the mean is an upper limit, which may lose but not win.
+    """
+
+    means: tuple[float, ...]
+    counts: tuple[float, ...]
+    seen: tuple[bool, ...]
+    s: float
+    nu: float
+
+    def exceeds(self, one: int, other: int) -> float:
+        """p of the one-sided test that level `one` is above level `other`."""
+        if not self.seen[one]:
+            return 1.0
+        u = self.s * math.sqrt(1 / self.counts[one] + 1 / self.counts[other])
+        return one_sided_p((self.means[one] - self.means[other]) / u, self.nu)
+
+
+def logs(levels: Sequence[Level]) -> Logs | None:
+    """ln W of the levels, scatter pooled over their repeats; None without repeats.
+
+    Conditions in which nothing can slide count for the scatter only where there are no others: a refill changes nothing
+    in them, so that their scatter says nothing about the others'.
+    """
+    flat = [result for level in levels for result in level.results]
+    moving = [r for r in flat if not (r.setting.is_empty or r.setting.is_bonded) and _seen(r)]
+    nu, square = 0, 0.0
+    for result in moving or [r for r in flat if _seen(r)]:
+        values = [math.log(run.energy.W) for run in result.runs]
+        mean = math.fsum(values) / len(values)
+        square += math.fsum((value - mean) ** 2 for value in values)
+        nu += len(values) - 1
+    if nu == 0:
+        return None
+    return Logs(
+        tuple(math.fsum(map(_log, level.results)) / len(level.results) for level in levels),
+        tuple(len(level.results) ** 2 / math.fsum(1 / len(r.runs) for r in level.results) for level in levels),
+        tuple(all(map(_seen, level.results)) for level in levels),
+        max(math.sqrt(square / nu), RESOLUTION),
+        float(nu),
+    )
+
+
+def _seen(result: Result) -> bool:
+    floor = max(result.detect, result.W_exp.U)
+    return result.W_exp.value > floor and all(run.energy.W > 0 for run in result.runs)
+
+
+def _log(result: Result) -> float:
+    """Mean of ln W; of an energy that is not seen, ln of the most that it can be."""
+    if _seen(result):
+        return math.fsum(math.log(run.energy.W) for run in result.runs) / len(result.runs)
+    return math.log(max(result.W_exp.value, 0.0) + max(result.detect, result.W_exp.U, 1e-300))
+
+
+NO_REPEATS = Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
+
+
+def optimum(levels: Sequence[Level], question: Question) -> Finding:
+    """The values named are the only ones not beaten by another (multiple comparisons with the best)."""
+    found = logs(levels)
+    if found is None:
+        return NO_REPEATS
+    labels = [level.label for level in levels]
+    top = max(range(len(labels)), key=found.means.__getitem__)
+    out, out_for_sure = (
+        beaten(found.means, found.counts, found.s, found.nu, level) for level in (LEVEL, question.against)
+    )
+    left = tuple(label for label, lost in zip(labels, out, strict=True) if not lost)
+    named = [lost for label, lost in zip(labels, out_for_sure, strict=True) if label in question.values]
+    why = f"{_listed(left)} {'is' if len(left) == 1 else 'are'} not beaten by another of {len(labels)} values"
+    why += f" ({_scatter(found)}){_predicted_best(levels)}"
+    if len(labels) < 2 or not named or not found.seen[top]:
+        return Finding(labels[top], OPEN, f"too little to compare with: {why}", left)
+    if set(left) <= set(question.values):
+        return Finding(labels[top], HOLDS, why, left if len(left) > 1 else ())
+    return Finding(labels[top], FAILS if all(named) else OPEN, why, left if len(left) > 1 else ())
+
+
+def _predicted_best(levels: Sequence[Level]) -> str:
+    """Where the prediction is largest; "" where it is not known or zero throughout."""
+    totals = [[r.W_T.value for r in level.results if r.W_T is not None and r.W_T.value > 0] for level in levels]
+    known = [
+        (math.fsum(map(math.log, total)) / len(total), level.label)
+        for total, level in zip(totals, levels, strict=True) if total and len(total) == len(level.results)
+    ]  # fmt: skip
+    return f"; W_T is largest at {max(known)[1]}" if known else ""
+
+
+def rising(levels: Sequence[Level], question: Question) -> Finding:
+    """ln W rises in each step (one-sided tests of neighbours, Holm)."""
+    return _steps(levels, question, 1)
+
+
+def falling(levels: Sequence[Level], question: Question) -> Finding:
+    """ln W falls in each step."""
+    return _steps(levels, question, -1)
+
+
+def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
+    found = logs(levels)
+    if found is None:
+        return NO_REPEATS
+    pairs = [(i, i + 1) for i in range(len(levels) - 1)]
+    if not pairs or not set(question.values) <= {level.label for level in levels}:
+        return Finding("", OPEN, "not all values named were measured")
+    up = holm([found.exceeds(j, i) for i, j in pairs])
+    down = holm([found.exceeds(i, j) for i, j in pairs])
+    marks = ["<" if a <= LEVEL else ">" if b <= LEVEL else "~" for a, b in zip(up, down, strict=True)]
+    chain = levels[0].label + "".join(f" {m} {level.label}" for m, level in zip(marks, levels[1:], strict=True))
+    for_it, against = (up, down) if sign > 0 else (down, up)
+    told = sum(p <= LEVEL for p in for_it)
+    contrary = sum(p <= question.against for p in against)
+    why = f"{told} of {len(pairs)} steps {'rise' if sign > 0 else 'fall'} for sure, {contrary} the other way"
+    why += f" (largest p {max(for_it):.2g}, Holm; {_scatter(found)})"
+    return Finding(chain, HOLDS if told == len(pairs) else FAILS if contrary else OPEN, why)
+
+
+def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
+    """n = dlnW/dlna differs from 2 by more than the margin: straight line through ln W over ln a of the runs."""
+    runs = [run for level in levels if all(map(_seen, level.results)) for r in level.results for run in r.runs]
+    seen = sum(all(map(_seen, level.results)) for level in levels)
+    if seen < FEWEST_LEVELS or len(runs) < FEWEST_LEVELS:
+        return Finding("", OPEN, f"{seen} levels stand out of their uncertainty, {FEWEST_LEVELS} are needed")
+    x, y = np.log([[run.energy.level, run.energy.W] for run in runs]).T
+    x = x - x.mean()
+    n = float(x @ y) / float(x @ x)
+    rest = y - y.mean() - n * x
+    nu = float(len(runs) - 2)
+    slope = Estimate(n, math.sqrt(max(float(rest @ rest) / nu, RESOLUTION**2) / float(x @ x)), nu)
+    (margin,) = question.limits
+    off = abs(n - QUADRATIC)
+    verdict = HOLDS if off - slope.U > margin else FAILS if off + _t(slope, question) < margin else OPEN
+    why = f"n - 2 = {n - QUADRATIC:.3f} with U = {slope.U:.2g} over {seen} levels; margin {margin:g}"
+    return Finding(f"n = {n:.2f}", verdict, why)
+
+
+def nearly_zero(levels: Sequence[Level], question: Question) -> Finding:
+    """|W| is below the margin times W of the other condition: two one-sided tests (equivalence)."""
+    if len(levels) != 2 or any(len(level.results) != 1 for level in levels):
+        return Finding("", OPEN, "not both conditions were measured")
+    low, full = (level.results[0].W_exp for level in levels)
+    (margin,) = question.limits
+    allowed = margin * full.value
+    gap = combine(allowed - abs(low.value), [(low.u, low.nu), (margin * full.u, full.nu)])
+    verdict = HOLDS if gap.value > _t(gap) else FAILS if -gap.value > _t(gap, question) else OPEN
+    why = f"W = {1e3 * low.value:.3g} mJ with U = {1e3 * low.U:.2g} mJ; {100 * margin:g} % of full is "
+    return Finding(f"{100 * low.value / full.value:.2g} % of full", verdict, f"{why}{1e3 * allowed:.3g} mJ")
+
+
+def offset_within(levels: Sequence[Level], question: Question) -> Finding:
+    """sum W_exp / sum W_T - 1 lies between the limits: two one-sided tests (equivalence)."""
+    ratio = energy_ratio([result for level in levels for result in level.results])
+    if ratio is None:
+        return Finding("", OPEN, "no predicted energy to compare with")
+    low, high = question.limits
+    offset = ratio.value - 1
+    inside = min(offset - low, high - offset)
+    verdict = HOLDS if inside > _t(ratio) else FAILS if -inside > _t(ratio, question) else OPEN
+    why = f"U = {100 * ratio.U:.2g} % (k = {ratio.k:.2f}); limits {100 * low:g} % to {100 * high:g} %"
+    return Finding(f"{100 * offset:.1f} %", verdict, why)
+
+
+def _t(estimate: Estimate, question: Question | None = None) -> float:
+    """One-sided limit of an estimate at LEVEL, or at the level of the contradiction."""
+    level = question.against if question else LEVEL
+    return coverage_factor(estimate.nu, 1 - 2 * level) * estimate.u
+
+
+def _listed(labels: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(labels[:-1]), *labels[-1:]]))
+
+
+def _scatter(found: Logs) -> str:
+    return f"a run scatters by {100 * found.s:.2g} %, {found.nu:.0f} degrees of freedom"
+
+
+TESTS: Mapping[str, Callable[[Sequence[Level], Question], Finding]] = {
+    "optimum": optimum, "order": rising, "rise": rising, "fall": falling, "nonlinear": nonlinear,
+    "nearly_zero": nearly_zero, "offset_within": offset_within,
+}  # fmt: skip
