@@ -13,7 +13,6 @@ from rig.errors import nearest, quote
 from rig.scene import (
     BEDS,
     BUILT_BEDS,
-    BUILT_LOSSES,
     BUILT_MODES,
     HORIZONTAL_ONLY_BEDS,
     Acquire,
@@ -54,9 +53,6 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
         yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
     if drive.mode not in BUILT_MODES:
         yield Conflict(("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES))
-    for loss in scene.losses:
-        if loss not in BUILT_LOSSES:
-            yield Conflict(("scene.losses",), f"the loss {loss}, not built yet", ", ".join(BUILT_LOSSES))
     if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
         able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
         waiting = [bed for bed in able if bed not in BUILT_BEDS]

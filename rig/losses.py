@@ -1,8 +1,8 @@
 """Losses beside the grains' own: noise, air, gas, mount. Forces act ON the box, energies are J per cycle.
 
-`noise` is viscous, -c v; `air` quadratic, -k v |v|; `gas` the viscous equivalent of the drag inside the bed (rig/gas.py);
+`noise` is viscous, -c v; `air` quadratic, -k v |v|; `gas` the viscous equivalent of drag inside the bed (rig/gas.py);
 `mount` is what carries the box: guides, Coulomb friction -f sign(v), or cords, structural damping, in every harmonic
--eta k v_h/(h w), whose energy pi eta k X^2 does not know the frequency. The cords' stiffness itself is left out: it
+-eta k v_h/(h w), whose energy pi eta k X^2 does not know the frequency. The stiffness of the cords is left out: it
 takes no energy.
 """
 
@@ -73,7 +73,7 @@ def friction_energy(force: float, motion: Waveform) -> float:
 
 
 def structural_energy(coefficient: float, motion: Waveform) -> float:
-    """Energy that structural damping takes per cycle, J, exact: pi eta k X_h^2 in each of the h cycles of harmonic h."""
+    """Energy that structural damping takes per cycle, J, exact: pi eta k X_h^2 in each cycle of harmonic h."""
     return float(np.pi * coefficient * motion.length_unit**2 * _harmonic_sum(motion, 3))
 
 
@@ -92,7 +92,7 @@ def way(motion: Waveform) -> float:
 
 
 def by_order(motion: Waveform) -> Waveform:
-    """The motion with every harmonic divided by its order: structural damping pulls with -(eta k/w) times its velocity."""
+    """The motion, each harmonic divided by its order: structural damping pulls with -(eta k/w) times its velocity."""
     orders = range(1, len(motion.sine) + 1)
     return replace(
         motion,
@@ -121,7 +121,9 @@ def mean_sign(velocity: Array) -> Array:
     """Mean of sign(v) over each interval between edges, for a velocity that is straight in between; 0 at rest."""
     speed = np.abs(velocity)
     both = speed[1:] + speed[:-1]
-    return np.divide(velocity[1:] + velocity[:-1], both, out=np.zeros_like(both), where=both > 0.0)
+    mean = np.zeros_like(both)
+    np.divide(velocity[1:] + velocity[:-1], both, out=mean, where=both > 0.0)
+    return mean
 
 
 def mean_cord_force(coefficient: float, omega: float, position: Array, interval: float) -> Array:

@@ -9,6 +9,7 @@ from typing import Any
 from daq.channel import AnalyzerSpec
 from daq.seeds import stream
 from rig.catalog.entries import Rig
+from rig.gas import LEAST_SHARE, share_of_weight
 from rig.model import NUMERICAL_ERROR, Prediction, predict_about
 from rig.scene import Condition, Protocol
 
@@ -118,8 +119,18 @@ def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: flo
         "gauge_mass": rig.gauge_mass,
         "moving_mass": rig.exciter.moving_mass,
         "losses": list(condition.scene.losses),
+        "support": condition.scene.support,
+        "gas": _gas_facts(condition, rig),
         "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
     }
+
+
+def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
+    """Whether gas drag is switched on, and its largest value over the bed's weight; None where it is not listed."""
+    if "gas" not in condition.scene.losses:
+        return None
+    share = share_of_weight(condition.scene, rig, condition.drive.acceleration, condition.drive.frequency)
+    return {"on": share > LEAST_SHARE, "share_of_weight": share}
 
 
 def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:

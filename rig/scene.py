@@ -14,7 +14,6 @@ BEDS = ("empty", "locked", "dashpot", "slug", "layers", "grains")
 BUILT_BEDS = ("empty", "locked", "dashpot", "layers")
 HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
-BUILT_LOSSES = ("noise", "air", "mount")
 MODES = ("servo", "coupled")
 BUILT_MODES = ("servo",)
 

@@ -11,6 +11,7 @@ from rig.beds.stack import Filling
 from rig.catalog.entries import Rig
 from rig.drive.sampling import Edges, Sampling
 from rig.drive.waveform import Waveform
+from rig.gas import gas_damping
 from rig.ledger import COLUMNS, account
 from rig.losses import Losses, by_order, cord_coefficient, guide_force, mean_cord_force, mean_force
 from rig.scene import Cavity, Scene
@@ -28,13 +29,14 @@ def box_mass(cavity: Cavity, wall_density: float) -> float:
     return wall_density * (outer - inner)
 
 
-def losses_of(scene: Scene, rig: Rig, mass: float) -> Losses:
+def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
     """The loss channels that the scene switches on, with the rig's coefficients; `mass` (kg) is what the mount carries:
-    box, gauge side and bed. A box that nothing carries loses nothing to its mount."""
+    box, gauge side and bed. A box that nothing carries loses nothing to its mount. `gas` : of this filling, N s/m."""
     mount = scene.support if "mount" in scene.losses else "none"
     return Losses(
         noise=rig.loss_noise if "noise" in scene.losses else 0.0,
         air=rig.loss_air if "air" in scene.losses else 0.0,
+        gas=gas,
         guide=guide_force(rig.guide_friction, mass, rig.gravity) if mount == "guide" else 0.0,
         cords=cord_coefficient(rig.cord_loss_factor, rig.cord_frequency, mass) if mount == "cords" else 0.0,
     )
@@ -64,7 +66,8 @@ class Stand:
         self._sampling = Sampling(motion, rate / motion.frequency)
         self._bed: Bed = BEDS[scene.bed](scene, rig, filling, self._sampling)
         self._rigid = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass
-        self._losses = losses_of(scene, rig, self._rigid + self._bed.mass)
+        gas = gas_damping(scene, rig, filling, motion) if "gas" in scene.losses else 0.0
+        self._losses = losses_of(scene, rig, self._rigid + self._bed.mass, gas)
         self._lost = self._losses.energies(motion)
         self._cords = Sampling(by_order(motion), rate / motion.frequency) if self._losses.cords else None
         self._kinetic = self._bed.kinetic_at_start

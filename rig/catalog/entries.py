@@ -70,8 +70,8 @@ class Rig:
 
     wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume fractions of the
     shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity m/s^2; parasitic losses `loss_noise`
-    (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the mount: friction of guides, natural frequency (Hz) and loss
-    factor of cords; relative level error and third harmonic of the waveform;
+    (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the mount: friction of guides, natural frequency in Hz and
+    loss factor of cords; relative level error and third harmonic of the waveform;
     relative scatter per refill of the packing and of the free play; analyzer range of each channel in V (keys `force`
     and `acceleration`); `provenance` of the losses as `rig calibrate` wrote it; `values` lists every number's origin.
     """

@@ -10,6 +10,10 @@ from hypothesis import strategies as st
 from rig.beds.stack import nominal, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
+from rig.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
+from rig.kernels.row import Rows
+from rig.kernels.slip import slip_moments
+from rig.kernels.waveform import crossings, extrema
 from rig.ledger import CLOSES, COLUMNS
 from rig.losses import (
     LOST,
@@ -124,7 +128,7 @@ def test_the_mount_takes_its_closed_form_of_the_moving_mass(rig: Rig, steel: Sce
     assert (signal[1] == bare[1]).all()
 
 
-@pytest.mark.parametrize("losses, support", [((), "guide"), (("noise", "air"), "cords"), (("mount",), "none")])
+@pytest.mark.parametrize(("losses", "support"), [((), "guide"), (("noise", "air"), "cords"), (("mount",), "none")])
 def test_the_mount_is_off_unless_listed_and_supported(
     rig: Rig, steel: Scene, losses: tuple[str, ...], support: str
 ) -> None:
@@ -137,3 +141,66 @@ def test_every_channel_has_a_column() -> None:
     assert energies.shape == (len(LOST),)
     assert set(LOST) <= set(COLUMNS)
     assert (energies > 0).all()
+
+
+@pytest.mark.parametrize("play", [0.05, 0.7, 2.0, 3.1])
+def test_slip_moments_of_a_plastic_row_without_friction(play: float) -> None:
+    """It leaves one wall at each reversal of a, z = 1 - cos t, and lands where t - sin t is the play (play < pi)."""
+    lo, hi = 0.0, np.pi
+    for _ in range(80):
+        mid = 0.5 * (lo + hi)
+        lo, hi = (mid, hi) if mid - np.sin(mid) < play else (lo, mid)
+    t = lo
+    P, Q = np.ones(1), np.zeros(1)
+    band = np.array([1e-12])
+    rows = Rows(np.zeros(1, np.int64), np.array([play]), 0.0, band, crossings(band, P, Q, extrema(P, Q)).tables)
+    second, third, peak = slip_moments(rows, P, Q)
+    sine, double = np.sin(t), np.sin(2.0 * t)
+    # Gauss on trigonometric polynomials, 12 points over half a cycle at most: below 1e-9
+    assert second == pytest.approx(2.0 * (1.5 * t - 2.0 * sine + 0.25 * double), rel=1e-8)
+    assert third == pytest.approx(2.0 * (2.5 * t - 4.0 * sine + 0.75 * double + sine**3 / 3.0), rel=1e-8)
+    assert peak == pytest.approx(1.0 - np.cos(t), rel=1e-9)
+
+
+def test_ergun_at_one_point() -> None:
+    """4 mm, 37 % voids, 0.1 m/s: 150 mu .63^2/(.37^3 d^2) U = 132.96 and 1.75 rho .63/(.37^3 d) U^2 = 65.51 Pa/m."""
+    viscous, inertial = ergun(0.004, 0.63)
+    assert 0.1 * viscous == pytest.approx(132.96, rel=1e-4)
+    assert 0.01 * inertial == pytest.approx(65.51, rel=1e-4)
+
+
+def test_gas_does_not_know_the_grains_density_and_finer_grains_feel_it_more(rig: Rig, steel: Scene) -> None:
+    fine, light = (
+        replace(steel, grains=replace(steel.grains, **change)) for change in ({"diameter": 1e-3}, {"density": 3400.0})
+    )
+    energy = {name: gas_energy(s, rig, nominal(s, rig), SINE) for name, s in
+              (("steel", steel), ("fine", fine), ("light", light))}  # fmt: skip
+    assert energy["light"] == pytest.approx(energy["steel"], rel=1e-9)
+    assert energy["fine"] > energy["steel"] > 0.0
+    shares = [share_of_weight(s, rig, 5.0, 20.0) for s in (steel, light, fine)]
+    assert shares[1] == pytest.approx(shares[0] * 7900.0 / 3400.0, rel=1e-9)
+    assert shares[0] < LEAST_SHARE < shares[2]
+
+
+def test_gas_is_switched_on_by_its_share_of_the_weight(rig: Rig, steel: Scene) -> None:
+    """Off below 1 %: no force at all. On, the ledger holds Ergun's energy, and so does the force at the gauge."""
+    assert gas_damping(steel, rig, nominal(steel, rig), SINE) == 0.0
+    fine = replace(steel, grains=replace(steel.grains, diameter=1e-3), losses=("gas",))
+    filling = nominal(fine, rig)
+    signals = []
+    for scene in (fine, replace(fine, losses=())):
+        stand = Stand(scene, rig, SINE, filling, CYCLE * 20.0)
+        signals.append(stand.read(8 * CYCLE))
+        ledger = stand.drain_ledger()[:8]
+        expected = gas_energy(fine, rig, filling, SINE) if scene.losses else 0.0
+        assert ledger[:, COLUMNS.index("W_gas")] == pytest.approx(np.full(8, expected), rel=1e-12)
+        assert np.abs(ledger[:, COLUMNS.index("closure")]).max() < CLOSES
+    velocity = SINE.velocity_unit * np.cos(2 * np.pi * (np.arange(4 * CYCLE) + 0.5) / CYCLE)
+    done = float(np.mean((signals[0][0] - signals[1][0])[: 4 * CYCLE] * velocity)) / 20.0
+    assert done == pytest.approx(gas_energy(fine, rig, filling, SINE), rel=1e-6)  # interval means against points
+
+
+@pytest.mark.parametrize("bed", ["empty", "locked", "dashpot"])
+def test_no_gas_without_slip(rig: Rig, steel: Scene, bed: str) -> None:
+    scene = replace(steel, bed=bed)
+    assert gas_energy(scene, rig, nominal(scene, rig), SINE) == share_of_weight(scene, rig, 5.0, 20.0) == 0.0

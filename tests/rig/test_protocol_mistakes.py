@@ -55,7 +55,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("scene: {layers: {side_walls: yes}}", ["found 'yes'", "true or false"]),
         ("scene: {losses: [noise, noise]}", ["'noise' twice"]),
         ("scene: {losses: noise}", ["found 'noise'", "a list of noise, air, gas, mount"]),
-        ("scene: {losses: [gas]}", ["the loss gas, not built yet"]),
+        ("scene: {bed: empty, axis: vertical, support: guide}", ["support guide", "none or cords on this axis"]),
         ("scene: {bed: layer}", ["found 'layer'", "did you mean 'layers'?"]),
         ("scene: {bed: slug}", ["the bed slug, not built yet", "empty, locked, dashpot, layers"]),
         ("scene: {bed: grains}", ["the bed grains, not built yet"]),

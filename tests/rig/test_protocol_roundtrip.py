@@ -16,7 +16,7 @@ from rig.expect import KINDS
 from rig.protocol import dump_protocol, load_protocol, protocol_template
 from rig.scene import (
     BUILT_BEDS,
-    BUILT_LOSSES,
+    LOSSES,
     Acquire,
     Cavity,
     Dashpot,
@@ -40,7 +40,7 @@ diameters = st.floats(1e-3, 1e-2)
 frequencies = st.floats(5, 200)
 levels = st.floats(1e-3, 1e3)
 counts = st.integers(1, 500)
-losses = st.permutations(BUILT_LOSSES).flatmap(lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n])))
+losses = st.permutations(LOSSES).flatmap(lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n])))
 grains = st.builds(
     Grains, st.sampled_from(names("material")), diameters, fills, st.none() | st.floats(1, 3e4)
 )  # fmt: skip
