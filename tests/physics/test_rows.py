@@ -109,59 +109,64 @@ def test_one_cycle_against_an_independent_integrator(band: float, play: float, e
 
 
 def reference(band: float, play: float, e: float, cycles: int) -> tuple[float, float, float, float]:
-    """u, z, friction and collision loss after some cycles, integrated by scipy: y = (u, z, friction work)."""
-    t, y, collision, end = 0.0, np.array([0.0, 0.0, 0.0]), 0.0, 2 * np.pi * cycles
-    tiny = 1e-9
-    while t < end - 1e-12:
-        acceleration = -np.sin(t + tiny)
-        if abs(y[1]) < 1e-8:
-            held_low, held_high = y[0] < 1e-8, y[0] > play - 1e-8
-            push = -acceleration
-            free = abs(acceleration) > band
-            if not free or (held_low and push < 0) or (held_high and push > 0):
-                t = next_departure(t, band, held_low, held_high, end)
-                y[1] = 0.0
-                continue
-            s = np.sign(push)
-        else:
-            s = np.sign(y[1])
+    """u, z, friction and collision loss after some cycles of a = -sin t: z' = sin t - band sign z, integrated by scipy.
 
-        def slope(time: float, state: np.ndarray, s: float = s) -> list[float]:
-            return [state[1], -s * band + np.sin(time), band * abs(state[1])]
-
-        def wall(_: float, state: np.ndarray, s: float = s) -> float:
-            return play - state[0] if s > 0 else state[0]
-
-        def stop(_: float, state: np.ndarray, s: float = s) -> float:
-            return s * state[1]
-
-        begin = t + 1e-7  # leave the event behind: u grows like t^3, an error of 1e-21
-        y = y + np.array([y[1], -s * band + np.sin(t), band * abs(y[1])]) * 1e-7
-        wall.terminal = stop.terminal = True  # type: ignore[attr-defined]
-        wall.direction = stop.direction = -1  # type: ignore[attr-defined]
-        step = solve_ivp(slope, (begin, end), y, "DOP853", events=(wall, stop), rtol=1e-11, atol=1e-13, max_step=0.05)
-        t, y = float(step.t[-1]), step.y[:, -1].copy()
-        if step.t_events[0].size:
-            y[0] = play if s > 0 else 0.0
-            back = e * abs(y[1])
-            collision += 0.5 * (y[1] ** 2 - back**2)
-            y[1] = -s * back
-        elif step.t_events[1].size:
-            y[1] = 0.0
-    return float(y[0]), float(y[1]), float(y[2]), collision
+    A row at rest waits, in steps of 1e-3, for a push beyond the band towards a side that is open.
+    """
+    t, u, z, friction, collision, end = 0.0, 0.0, 0.0, 0.0, 0.0, 2 * np.pi * cycles
+    while t < end:
+        s = float(np.sign(z)) or thrown(t, u, band, play)
+        if s == 0.0:
+            t = departure(t, u, band, play, end)
+            continue
+        t, u, z, work, hit = slide(t, u, z, s, band, play, end)
+        friction += work
+        if hit:
+            collision += 0.5 * (1 - e**2) * z**2
+            z = -e * z if abs(z) > 1e-8 else 0.0  # bouncing that dies out has no end
+    return u, z, friction, collision
 
 
-def next_departure(t: float, band: float, held_low: bool, held_high: bool, end: float) -> float:
-    """First phase behind t at which |a| passes the band in a direction that is open, a = -sin t."""
-    level = np.arcsin(min(band, 1.0))
-    phases = []
-    for turn in range(4):
-        if not held_high:
-            phases.append(2 * np.pi * turn + level)  # a < -band: the row moves towards the far wall
-        if not held_low:
-            phases.append(2 * np.pi * turn + np.pi + level)
-    later = [phase for phase in phases if phase > t + 1e-9]
-    return min([*later, end])
+def thrown(t: float, u: float, band: float, play: float) -> float:
+    """Direction in which a resting row starts to slide, 0 for none."""
+    push = np.sin(t)
+    return float(push > band and u < play) - float(push < -band and u > 0.0)
+
+
+def departure(t: float, u: float, band: float, play: float, end: float) -> float:
+    """First phase from t on at which a resting row is thrown, or the end."""
+    later = next((x for x in np.arange(t, end, 1e-3)[1:] if thrown(x, u, band, play)), None)
+    if later is None:
+        return end
+    before, after = later - 1e-3, later
+    while after - before > 1e-15 * end:
+        middle = 0.5 * (before + after)
+        before, after = (before, middle) if thrown(middle, u, band, play) else (middle, after)
+    return after
+
+
+def slide(
+    t: float, u: float, z: float, s: float, band: float, play: float, end: float
+) -> tuple[float, float, float, float, bool]:
+    """Slide in direction s up to a wall, a stop or the end: phase, u, z, friction work, and whether it hit a wall."""
+
+    def slope(time: float, y: Array) -> list[float]:
+        return [y[1], np.sin(time) - s * band, s * band * y[1]]
+
+    def wall(_: float, y: Array) -> float:
+        return play - y[0] if s > 0 else float(y[0])
+
+    def stop(_: float, y: Array) -> float:
+        return s * float(y[1])
+
+    for event in (wall, stop):
+        vars(event).update(terminal=True, direction=-1)
+    found = solve_ivp(
+        slope, (t, end), (u, z, 0.0), "DOP853", events=(wall, stop), rtol=1e-11, atol=1e-13, max_step=0.05
+    )
+    u, z, work = (float(value) for value in found.y[:, -1])
+    hit, stopped = (times.size > 0 for times in found.t_events)
+    return float(found.t[-1]), (play if s > 0 else 0.0) if hit else u, 0.0 if stopped else z, work, hit
 
 
 def test_an_orbit_may_have_a_longer_period_than_the_drive() -> None:
