@@ -10,6 +10,7 @@ from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
 from analysis.nulls import null_tests
 from analysis.ratio import energy_ratio, propagated
+from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.verdict import CHAIN_SHARE, verdict
 
@@ -57,7 +58,8 @@ def agreement(
     empties = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
     nulls = null_tests(settings, grouped, channels)
     ledger = {"closure_max": _closure(results)}
-    judged = verdict(results, nulls, ledger["closure_max"], left_out)
+    known = references(results, channels)
+    judged = verdict(results, nulls, known, ledger["closure_max"], left_out)
     ideal = synthetic and all(result.setting.drive == "servo" for result in results)
     report = {
         "schema": SCHEMA,
@@ -70,6 +72,7 @@ def agreement(
         "agreement": _agreement(results),
         "claims": judge(expect, {result.setting.id: result for result in results}),
         "nulls": [null.row() for null in nulls],
+        "references": [reference.row() for reference in known],
         "ledger": ledger,
         "chain": {"share": judged.chain_share, "needed": CHAIN_SHARE},
         "verdict": judged.verdict,

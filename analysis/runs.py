@@ -102,7 +102,8 @@ class Record(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A condition: what was set, as the session says. SI units; carried: a bed is there but nothing in it can slide."""
+    """A condition: what was set, as the session says. SI units; carried: a bed is there but nothing in it can slide;
+    dashpot_c: N s/m of a dashpot, None for other beds."""
 
     id: str
     material: str
@@ -120,12 +121,14 @@ class Setting:
     box_mass: float
     gauge_mass: float
     moving_mass: float
+    dashpot_c: float | None = None
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
         """The setting in a session's condition. AnalysisError naming the first key that is missing."""
+        known = {"dashpot_c": None, **condition}
         try:
-            return cls(**{name: condition[name] for name in cls.__slots__})
+            return cls(**{name: known[name] for name in cls.__slots__})
         except KeyError as error:
             raise AnalysisError(f"condition {condition.get('id', '?')} lacks {error.args[0]!r}") from error
 

@@ -1,10 +1,11 @@
-"""Whether a session passes: ledger, nulls, record quality and the chain comparison. Claims never decide it."""
+"""Whether a session passes: ledger, nulls, references, record quality, chain comparison. Claims never decide it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from analysis.conditions import Result
 from analysis.nulls import Null
+from analysis.references import Reference
 
 __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
 
@@ -23,15 +24,19 @@ class Verdict:
 
 
 def verdict(
-    results: Sequence[Result], nulls: Sequence[Null], closure: float | None, left_out: Sequence[Mapping[str, str]]
+    results: Sequence[Result],
+    nulls: Sequence[Null],
+    references: Sequence[Reference],
+    closure: float | None,
+    left_out: Sequence[Mapping[str, str]],
 ) -> Verdict:
     """Judge a session. A check that the record cannot answer (no truth, no null test) is said and fails nothing."""
     chain = [abs(r.chain.value) <= r.chain.U for r in results if r.chain is not None]
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if FAULTS & set(run.flags)]
     checks = [
-        _ledger(closure), *map(_null, nulls), _faults(faulted, left_out), _chain(chain, share),
-        (bool(results), "" if results else "No run can be used."),
+        _ledger(closure), *map(_null, nulls), *map(_reference, references), _faults(faulted, left_out),
+        _chain(chain, share), (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
@@ -49,6 +54,15 @@ def _ledger(closure: float | None) -> tuple[bool, str]:
 def _null(null: Null) -> tuple[bool, str]:
     words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[null.verdict]
     return null.verdict != "does not hold", f"The null test with the {null.null} bed {words}: {null.why}."
+
+
+def _reference(reference: Reference) -> tuple[bool, str]:
+    """A reference that holds is told where something was measured; the signs are told only where they are wrong."""
+    good = reference.verdict != "does not hold"
+    words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[reference.verdict]
+    if good and reference.value is None:
+        return True, ""
+    return good, f"The reference {reference.reference} ({reference.of}) {words}: {reference.why}."
 
 
 def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:

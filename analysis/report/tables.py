@@ -65,7 +65,7 @@ def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
 
 def all_tables(report: Report) -> tuple[Table, ...]:
     """The tables that have rows, in the order of the page."""
-    made = (make(report) for make in (claims, conditions, nulls, flags, budget, instruments, values))
+    made = (make(report) for make in (claims, conditions, nulls, references, flags, budget, instruments, values))
     return tuple(table for table in made if table.rows)
 
 
@@ -137,6 +137,19 @@ def nulls(report: Report) -> Table:
     note = "A bed that cannot slide must look like mass: the angle between the channels must vanish within its U."
     head = ("bed", "mass, kg", "f, Hz", "levels", "angle ± U, mrad", "verdict", "why")
     return Table("Null tests", note, head, rows)
+
+
+def references(report: Report) -> Table:
+    """The references."""
+    rows = tuple(
+        (
+            Cell(row["reference"]), Cell(row["of"]), with_U(row["value"], row["U"]), number(row["expected"], 5),
+            Cell(row["unit"]), Cell(row["verdict"]), Cell(row["why"]),
+        )
+        for row in report["references"]
+    )  # fmt: skip
+    note = "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels."
+    return Table("References", note, ("reference", "of", "found ± U", "known", "unit", "verdict", "why"), rows)
 
 
 def budget(report: Report) -> Table:

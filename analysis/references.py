@@ -1,0 +1,145 @@
+"""References: what is known without a model must be measured as it is known.
+
+Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase is the null test's).
+Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Signs: masses and energies are positive, force and
+acceleration of the size that was set.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.conditions import Result
+from analysis.estimate import Estimate
+from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.uncertainty import RESOLUTION, certificate_lines, combine, resolution_lines, scatter_line
+
+__all__ = ["Reference", "references"]
+
+BEYOND = 1.5  # |difference| / U from which a reference does not hold: 3 standard uncertainties at k = 2
+SWAPPED = "force and acceleration seem swapped"
+REVERSED = "a sign is reversed: the apparent mass is negative"
+NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is negative"
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels) or "signs" (nothing measured).
+    verdict: holds within U, does not hold beyond BEYOND times U, undecided between."""
+
+    reference: str
+    of: str
+    unit: str
+    value: float | None
+    expected: float | None
+    U: float | None
+    verdict: str
+    why: str
+
+    def row(self) -> dict[str, Any]:
+        """The report's entry."""
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:
+    """All references that the conditions allow; the signs always, where there is a run."""
+    if not results:
+        return ()
+    rigid: dict[tuple[str, float, float], list[Result]] = defaultdict(list)
+    damped: dict[tuple[float, float], list[Result]] = defaultdict(list)
+    empty = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
+    for result in results:
+        setting = result.setting
+        if setting.is_empty or setting.is_bonded:
+            rigid["empty box" if setting.is_empty else "bonded bed", setting.bed_mass, setting.frequency].append(result)
+        elif setting.bed == "dashpot" and setting.dashpot_c is not None:
+            damped[setting.dashpot_c, setting.frequency].append(result)
+    return (
+        _signs(results),
+        *(_mass(of, found, channels) for (of, _, _), found in rigid.items()),
+        *(_dashpot(c, found, empty, channels) for (c, _), found in damped.items()),
+    )
+
+
+def _judged(reference: str, of: str, unit: str, value: float, expected: float, u: Estimate, note: str) -> Reference:
+    share = abs(value - expected) / u.U
+    verdict = "holds" if share <= 1 else "does not hold" if share > BEYOND else "undecided"
+    side = "within" if share <= 1 else "beyond"
+    why = f"{value:.5g} {unit} against {expected:.5g} {unit}, {side} U = {u.U:.2g} {unit}{note}"
+    return Reference(reference, of, unit, value, expected, u.U, verdict, why)
+
+
+def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
+    setting = results[0].setting
+    masses = [run.energy.M_eff for result in results for run in result.runs]
+    mean = math.fsum(masses) / len(masses)
+    force, acceleration = channels["force"], channels["acceleration"]
+    # F/a: of W's budget for one joule the force scales it by +1, the acceleration by 1 - n with n = 2.
+    lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0, mean, 2.0)
+    scales = [(line.part - line.part_T, line.nu) for line in lines if line.source != "clock"]
+    scatter = [(line.part, line.nu) for line in scatter_line(masses)]
+    u = combine(mean, [*scales, *scatter, (RESOLUTION * mean, math.inf)])
+    expected = setting.box_mass + setting.gauge_mass + setting.bed_mass
+    return _judged("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs)")
+
+
+def _dashpot(
+    c: float, results: Sequence[Result], empty: Mapping[tuple[float, float], Result],
+    channels: Mapping[str, ChannelFacts],
+) -> Reference:  # fmt: skip
+    frequency = results[0].setting.frequency
+    omega = 2 * math.pi * frequency
+    n = len(results)
+    tares = [empty.get((frequency, result.setting.acceleration_set)) for result in results]
+    known = [tare for tare in tares if tare is not None]
+    whole = len(known) == n
+    squares = [math.fsum(run.energy.level**2 for run in r.runs) / len(r.runs) for r in results]
+    expected = math.fsum(math.pi * c * square / omega**3 for square in squares) / n
+    own = math.fsum(_less(r, tare, "W") for r, tare in zip(results, tares, strict=True)) / n
+    reactive = math.fsum(_less(r, tare, "reactive") for r, tare in zip(results, tares, strict=True)) / n
+    lines = (
+        *certificate_lines(channels["force"], channels["acceleration"], frequency, own, reactive, expected, 2.0),
+        *resolution_lines(own, reactive),
+    )
+    scatter = [line for r in (*results, *known) for line in scatter_line([run.energy.W for run in r.runs])]
+    u = combine(
+        own - expected,
+        [*((line.part - line.part_T, line.nu) for line in lines), *((line.part / n, line.nu) for line in scatter)],
+    )
+    note = "; the empty box's is taken off" if whole else "; no empty box was measured at every one of its levels"
+    found = _judged("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note)
+    if found.verdict == "does not hold" and not whole:  # the box's own losses are in it
+        return Reference(**{**found.row(), "verdict": "undecided"})
+    return found
+
+
+def _less(result: Result, tare: Result | None, name: str) -> float:
+    """Mean of an energy less the empty box's, brought to the same level by a^2."""
+    own = result.mean(name)
+    return own if tare is None else own - tare.mean(name) * (result.mean("level") / tare.mean("level")) ** 2
+
+
+def _signs(results: Sequence[Result]) -> Reference:
+    runs = [(run, result.setting) for result in results for run in result.runs]
+    swapped = [run.run for run, setting in runs if _swapped(run, setting)]
+    negative = [run.run for run, _ in runs if run.energy.M_eff < 0]
+    late = [r.setting.id for r in results if r.W_exp.value < -max(r.detect, r.W_exp.U)]
+    why = "masses and energies are positive, force and acceleration of the size that was set"
+    verdict = "does not hold" if swapped or negative or late else "holds"
+    if swapped:
+        why = f"{SWAPPED} in {len(swapped)} of {len(runs)} runs, the first is {swapped[0]}"
+    elif negative:
+        why = f"{REVERSED} in {len(negative)} of {len(runs)} runs, the first is {negative[0]}"
+    elif late:
+        why = f"{NEGATIVE} in {len(late)} of {len(results)} conditions, the first is {late[0]}"
+    return Reference("signs", "all runs", "", None, None, None, verdict, why)
+
+
+def _swapped(run: RunEnergy, setting: Setting) -> bool:
+    """|F| is of the size of the acceleration that was set and |a| of the force that it takes: which is which is told by
+    the geometric mean of the two, where the box is heavy enough (4 kg) for them to differ."""
+    mass = setting.box_mass + setting.gauge_mass
+    middle = setting.acceleration_set * math.sqrt(mass)
+    return mass >= 4 and run.energy.level > middle > abs(complex(run.energy.force[0]))
