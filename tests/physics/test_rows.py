@@ -104,8 +104,8 @@ def test_one_cycle_against_an_independent_integrator(band: float, play: float, e
     """scipy's DOP853 with events, restarted at every wall hit, stop and reversal, from the same start."""
     expected = reference(band, play, e, cycles=2)
     rows = transient(band, play, e, 2)
-    np.testing.assert_allclose(rows[-1, 1:3], expected[0:2], atol=2e-8)  # rtol 1e-11 of the integrator, event by event
-    np.testing.assert_allclose(rows[:, 4:6].sum(axis=0), expected[2:4], atol=2e-8)
+    np.testing.assert_allclose(rows[-1, 1:3], expected[0:2], atol=1e-11)  # rtol of the integrator
+    np.testing.assert_allclose(rows[:, 4:6].sum(axis=0), expected[2:4], atol=1e-11)
 
 
 def reference(band: float, play: float, e: float, cycles: int) -> tuple[float, float, float, float]:
