@@ -180,10 +180,12 @@ def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
     """n = dlnW/dlna differs from 2 by more than the margin: straight line through ln W over ln a of the runs."""
     runs = [run for level in levels if all(map(_seen, level.results)) for r in level.results for run in r.runs]
     seen = sum(all(map(_seen, level.results)) for level in levels)
-    if seen < FEWEST_LEVELS or len(runs) < FEWEST_LEVELS:
+    if seen < FEWEST_LEVELS:
         return Finding("", OPEN, f"{seen} levels stand out of their uncertainty, {FEWEST_LEVELS} are needed")
     x, y = np.log([[run.energy.level, run.energy.W] for run in runs]).T
     x = x - x.mean()
+    if not x.any():
+        return Finding("", OPEN, "all levels have the same acceleration")
     n = float(x @ y) / float(x @ x)
     rest = y - y.mean() - n * x
     nu = float(len(runs) - 2)
