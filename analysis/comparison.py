@@ -9,6 +9,7 @@ from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
 from analysis.nulls import null_tests
+from analysis.offset import Actual, offset_terms
 from analysis.ratio import energy_ratio, propagated
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
@@ -34,6 +35,7 @@ def agreement(
     assumed: Iterable[Mapping[str, Any]] = (),
     left_out: Sequence[Mapping[str, str]] = (),
     expect: Iterable[Mapping[str, Any]] = (),
+    actual: Actual | None = None,
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -42,6 +44,7 @@ def agreement(
     "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
+    actual: the instruments as they really are, for the terms of the offset (simulated sessions only).
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -68,7 +71,11 @@ def agreement(
         "synthetic": synthetic,
         "tests": "chain" if synthetic and not OWN_MECHANISM & {r.setting.bed for r in results} else "model",
         "waveform": "ideal" if ideal else "measured",
-        "conditions": [_row(result, empties) for result in results],
+        "conditions": [
+            _row(result, empties)
+            | {"offset_terms": offset_terms(result, entries.get(result.setting.id), channels, actual)}
+            for result in results
+        ],
         "agreement": _agreement(results),
         "claims": judge(expect, {result.setting.id: result for result in results}),
         "nulls": [null.row() for null in nulls],
@@ -110,7 +117,6 @@ def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[
         "offset": difference.value / scale if difference and scale else None,
         "U_offset": difference.U / scale if difference and scale else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
-        "offset_terms": None,
         "uncertainty": [
             {"source": line.source, "unit": line.unit, "u": line.u, "c": line.c, "nu": line.nu,
              "share": (line.part / exp.u) ** 2 if exp.u else 0.0}

@@ -8,6 +8,7 @@ import numpy as np
 from analysis.comparison import agreement
 from analysis.cycles import Window, on_grid, whole_cycles
 from analysis.energy import combined, window_energy
+from analysis.offset import actual_of
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
 from analysis.uncertainty import noise_of
 from daq.block import Flag, flag_names
@@ -89,6 +90,7 @@ def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None
         assumed=rig.get("values", ()),
         left_out=left_out,
         expect=protocol.get("expect", ()),
+        actual=actual_of(record.truth),
     )
 
 

@@ -79,6 +79,7 @@ class Truth(Protocol):
     """What only a simulated session knows."""
 
     def ledger(self, run: str) -> tuple[tuple[str, ...], NDArray[np.float64]]: ...
+    def document(self, name: str) -> Any: ...
 
 
 class Record(Protocol):

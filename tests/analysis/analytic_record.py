@@ -57,9 +57,13 @@ class Samples:
 @dataclass(frozen=True)
 class KnownTruth:
     ledgers: dict[str, tuple[tuple[str, ...], np.ndarray]]
+    documents: dict[str, Any] = field(default_factory=dict)
 
     def ledger(self, run: str) -> tuple[tuple[str, ...], np.ndarray]:
         return self.ledgers[run]
+
+    def document(self, name: str) -> Any:
+        return self.documents.get(name)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,106 @@
+"""Where an offset comes from: W_exp - W_T of a simulated session, term by term, as fractions of W_T.
+
+W_exp is taken apart along its way. The bed takes E_bed, the box's losses take noise, air, gas and mount: their sum E is
+what the gauge should read. The instruments make g (E cos d - R sin d) of it, R = (pi/w^2) M_eff a^2: g is the product
+of the true scales (1 + s_F)(1 + s_a) of force and acceleration and of the clock's (1 + e)^2, d the angle that the
+correction by certified poles leaves. W_T in turn is read at the measured acceleration, (1 + s_a) times the true one:
+
+    waveform + refill = E_bed - W_T(true a)         scale = (g - 1) E - (W_T(measured a) - W_T(true a))
+    phase = g (E (cos d - 1) - R sin d)             remainder = W_exp - g (E cos d - R sin d)
+
+They add up to W_exp - W_T by construction; the remainder is what was not accounted for, and is tested.
+"""
+
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.conditions import DISSIPATED, Result
+from analysis.prediction import Curve
+from analysis.runs import ChannelFacts, RunEnergy, Truth
+
+__all__ = ["EXACT", "LARGEST_REMAINDER", "TERMS", "Actual", "actual_of", "offset_terms"]
+
+TERMS = ("noise", "air", "gas", "mount", "waveform", "phase", "scale", "refill", "remainder")
+LARGEST_REMAINDER = 2e-3  # of W_T, in conditions that stand out of the detection limit
+EXACT = "W_exact"  # ledger column: what the same bed takes in the exact waveform of the level reached (ablation)
+BOX = {"noise": "W_noise", "air": "W_air", "gas": "W_gas", "mount": "W_mount"}
+IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
+
+
+@dataclass(frozen=True)
+class Actual:
+    """What only a simulated session knows of its instruments.
+
+    states: by channel, `sensitivity` (V per unit), `time_constant` (s or None), `gain`; clock: relative error.
+    """
+
+    states: Mapping[str, Mapping[str, float | None]]
+    clock: float
+
+    def response(self, channel: ChannelFacts, omega: float) -> complex:
+        """Corrected reading over true value at omega (rad/s): true scale, angle left by the certified pole."""
+        state = self.states[channel.name]
+        scale = (state["sensitivity"] or 0.0) * (state["gain"] or 0.0) / channel.sensitivity
+        true, certified = state["time_constant"], channel.time_constant
+        return scale * _high_pass(omega, true) / _high_pass(omega, certified)
+
+
+def actual_of(truth: Truth | None) -> Actual | None:
+    """The actual instruments of a session; None without truth or where it does not say."""
+    if truth is None:
+        return None
+    states, clock = truth.document("instruments"), truth.document("clock")
+    return None if states is None or clock is None else Actual(states, float(clock["error"]))
+
+
+def offset_terms(
+    result: Result, entry: Mapping[str, Any] | None, channels: Mapping[str, ChannelFacts], actual: Actual | None
+) -> dict[str, float] | None:
+    """`TERMS` of a condition as fractions of W_T, adding up to its offset; None without truth or without an offset.
+
+    entry: of the prediction document. Without an ablation in the ledger the waveform's effect on the bed beyond its
+    level stays inside `refill`. `refill` also holds the prediction's numerics and what had not settled.
+    """
+    if actual is None or entry is None or result.W_T is None or not result.comparable:
+        return None
+    curve = Curve.of(entry["acceleration"], entry["W_T"])
+    runs = [_of_run(run, curve, channels, actual) for run in result.runs]
+    known = [terms for terms in runs if terms is not None]
+    if len(known) < len(runs):
+        return None
+    return {name: math.fsum(terms[name] for terms in known) / len(known) / result.W_T.value for name in TERMS}
+
+
+def _of_run(
+    run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual
+) -> dict[str, float] | None:
+    """The terms of one run, J per cycle; None without its ledger."""
+    if run.ledger is None:
+        return None
+    energy, ledger = run.energy, run.ledger
+    omega = 2 * math.pi * energy.frequency
+    force, acceleration = (actual.response(channels[name], omega) for name in ("force", "acceleration"))
+    both = force * acceleration.conjugate()
+    gain, turn = abs(both) * (1 + actual.clock) ** 2, cmath.phase(both)
+    box = {name: ledger.get(column, 0.0) for name, column in BOX.items()}
+    bed = math.fsum(ledger.get(name, 0.0) for name in IN_BED)
+    lost = bed + math.fsum(box.values())
+    reactive = (energy.reactive * math.cos(turn) - energy.W * math.sin(turn)) / gain
+    seen = gain * (lost * math.cos(turn) - reactive * math.sin(turn))
+    true, measured = curve(energy.level / abs(acceleration)), curve(energy.level)
+    exact = ledger.get(EXACT, bed)
+    return {
+        **box,
+        "waveform": bed - exact,
+        "phase": seen - gain * lost,
+        "scale": (gain - 1) * lost - (measured - true),
+        "refill": exact - true,
+        "remainder": energy.W - seen,
+    }
+
+
+def _high_pass(omega: float, time_constant: float | None) -> complex:
+    return 1.0 if time_constant is None else 1j * omega * time_constant / (1 + 1j * omega * time_constant)
