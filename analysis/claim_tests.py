@@ -22,6 +22,7 @@ LEVEL = 0.05
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 QUADRATIC = 2.0  # exponent of everything linear: W of a dashpot, of a phase error
 FEWEST_LEVELS = 3
+NOISE = 3.0  # standard deviations of the instruments' noise that an energy must exceed to count as seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,8 @@ class Question:
 @dataclass(frozen=True, slots=True)
 class Logs:
     """Means of ln W of the levels, runs behind each, common standard deviation of a run with its degrees of freedom.
-    seen: the energy stands out of its uncertainty; where not, the mean is an upper limit, which may lose but not win.
+    seen: the energy stands out of what the instruments can tell; where not, the mean is an upper limit, which may lose
+    but not win.
     """
 
     means: tuple[float, ...]
@@ -102,8 +104,8 @@ def logs(levels: Sequence[Level]) -> Logs | None:
 
 
 def _seen(result: Result) -> bool:
-    floor = max(result.detect, result.W_exp.U)
-    return result.W_exp.value > floor and all(run.energy.W > 0 for run in result.runs)
+    """Every run stands out of the detection limit and of the instruments' noise."""
+    return all(max(result.detect, NOISE * run.u_noise) < run.energy.W for run in result.runs)
 
 
 def _log(result: Result) -> float:
@@ -181,7 +183,7 @@ def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
     runs = [run for level in levels if all(map(_seen, level.results)) for r in level.results for run in r.runs]
     seen = sum(all(map(_seen, level.results)) for level in levels)
     if seen < FEWEST_LEVELS:
-        return Finding("", OPEN, f"{seen} levels stand out of their uncertainty, {FEWEST_LEVELS} are needed")
+        return Finding("", OPEN, f"{seen} levels stand out of the detection limit, {FEWEST_LEVELS} are needed")
     x, y = np.log([[run.energy.level, run.energy.W] for run in runs]).T
     x = x - x.mean()
     if not x.any():

@@ -17,7 +17,10 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c"):
     lines = (*scatter_line(W), Line("scale", "1", scale, math.inf, mean))
     return SimpleNamespace(
         setting=SimpleNamespace(id=name, is_empty=still, is_bonded=False),
-        runs=tuple(SimpleNamespace(energy=SimpleNamespace(W=w, level=float(x))) for w, x in zip(W, a, strict=True)),
+        runs=tuple(
+            SimpleNamespace(energy=SimpleNamespace(W=w, level=float(x)), u_noise=1e-7)
+            for w, x in zip(W, a, strict=True)
+        ),
         lines=lines,
         W_exp=combine(mean, [(line.part, line.nu) for line in lines]),
         W_T=None if W_T is None else Estimate(W_T, 0.0, math.inf),

@@ -123,7 +123,7 @@ def test_clear_cases_are_told():
 
 
 def test_what_is_not_seen_may_lose_and_never_wins():
-    """An energy inside its uncertainty enters by its upper limit."""
+    """An energy below the detection limit (1e-6 J here) enters by its upper limit."""
     rng = np.random.default_rng(4)
     nothing = Level("0", (result([1e-3, -1e-3, 2e-3, -2e-3]),))
     full = [Level(str(i), (result(runs(rng, x)),)) for i, x in ((1, 1.0), (2, 2.0))]
