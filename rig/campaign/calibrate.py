@@ -2,30 +2,30 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from analysis.offset import Actual
 from analysis.prediction import Curve
+from analysis.uncertainty import angle_uncertainty
+from daq.frontend import FILTER_DELAY
+from rig.campaign.ablation import account_of, level, taken_by_bed
 from rig.campaign.setup import Campaign
 from rig.catalog import rig_with_losses
 from rig.catalog.entries import Rig
 from rig.errors import InputError, Mistake
-from rig.ledger import COLUMNS
 from rig.losses import drag_of_box, quadratic_energy, sound_of_box, viscous_energy
 from rig.plan import Run, predictions
-from rig.stand import CHUNK_CYCLES
-
-IN_BED = ("W_f", "W_c", "W_viscous", "dKE_bed")
 
 
 @dataclass(frozen=True)
 class Account:
-    """One run without parasitic losses, J per cycle: what the bed took, W_T at the level reached, and what unit
-    coefficients of noise and air would take."""
+    """One run without noise and air, J per cycle: what bed, gas and mount took, W_T at the level reached, and what
+    unit coefficients of noise and air would take."""
 
-    bed: float
+    there: float
     predicted: float
     noise: float
     air: float
@@ -34,22 +34,44 @@ class Account:
 def calibrated(campaign: Campaign, target: float, workers: int) -> Rig:
     """The campaign's rig with `noise` and `air` set in equal shares so that sum W_exp / sum W_T = 1 + target.
 
-    Raises InputError where the protocol dissipates nothing or its beds already take more than that.
+    Gas and mount count with the bed where the protocol lists them. Raises InputError where a null test of the
+    instruments would fail, and where the protocol dissipates nothing or its beds already take more than that.
     """
+    _check_nulls(campaign)
     accounts = _accounts(campaign, workers)
-    bed, predicted, noise, air = (
-        sum(getattr(account, name) for account in accounts) for name in ("bed", "predicted", "noise", "air")
+    there, predicted, noise, air = (
+        sum(getattr(account, name) for account in accounts) for name in ("there", "predicted", "noise", "air")
     )
-    missing = (1.0 + target) * predicted - bed
+    missing = (1.0 + target) * predicted - there
     if not predicted > 0.0 or missing < 0.0:
         raise InputError(
-            Mistake("--target", "", f"{target:g}, where W_T sums to {predicted:.4g} J and the beds take {bed:.4g} J",
+            Mistake("--target", "", f"{target:g}; W_T sums to {predicted:.4g} J, {there:.4g} J are taken already",
                     "a protocol that dissipates, and a target that leaves something for the losses")
         )  # fmt: skip
     coefficients = {"noise": 0.5 * missing / noise, "air": 0.5 * missing / air}
     return rig_with_losses(
         campaign.rig, coefficients["noise"], coefficients["air"], _provenance(campaign, target, coefficients)
     )
+
+
+def _check_nulls(campaign: Campaign) -> None:
+    """Refuse instruments whose locked bed would not look like mass: energies that they measure hold a phase error.
+
+    The angle that correction by the certified poles leaves, from the actual ones, against its expanded uncertainty.
+    """
+    tools, rate = campaign.instruments, campaign.lengths[campaign.conditions[0].id].rate
+    info = {channel.name: channel for channel in tools.table(rate, FILTER_DELAY)}
+    actual = Actual({c.name: asdict(state) for c, state in zip(tools.channels, tools.states, strict=True)}, 0.0)
+    for frequency in sorted({condition.drive.frequency for condition in campaign.conditions}):
+        omega = 2.0 * np.pi * frequency
+        force, acceleration = (actual.response(info[name], omega) for name in ("force", "acceleration"))
+        angle = float(np.angle(force * acceleration.conjugate()))
+        U = angle_uncertainty(info["force"], info["acceleration"], frequency).U
+        if abs(angle) > U:
+            raise InputError(
+                Mistake("", "acquire.sensors", f"a null angle of {1e3 * angle:.3g} mrad at {frequency:g} Hz",
+                        f"within its uncertainty of {1e3 * U:.3g} mrad: calibrate the sensors (another seed) first")
+            )  # fmt: skip
 
 
 def _accounts(campaign: Campaign, workers: int) -> Sequence[Account]:
@@ -59,16 +81,11 @@ def _accounts(campaign: Campaign, workers: int) -> Sequence[Account]:
 
 
 def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Account:
-    acquire, motion = run.condition.acquire, campaign.motion(run)
-    stand = campaign.stand(run)
-    cycles = acquire.settle + acquire.record
-    for _ in range(-(-cycles // CHUNK_CYCLES)):
-        stand.advance()
-    means = stand.drain_ledger()[acquire.settle : cycles].mean(axis=0)
-    level = motion.acceleration * float(np.hypot(motion.sine[0], motion.cosine[0]))
+    motion = campaign.motion(run)
+    account = account_of(campaign.stand(run), run.condition.acquire)
     return Account(
-        bed=float(sum(means[COLUMNS.index(name)] for name in IN_BED)),
-        predicted=Curve.of(table["acceleration"], table["W_T"])(level),
+        there=taken_by_bed(account) + account["W_gas"] + account["W_mount"],
+        predicted=Curve.of(table["acceleration"], table["W_T"])(level(motion)),
         noise=viscous_energy(1.0, motion),
         air=quadratic_energy(1.0, motion),
     )

@@ -7,7 +7,6 @@ from daq.session import RunPlan, SessionPlan
 from rig.campaign.setup import Campaign
 from rig.cases import cases
 from rig.drive.exciter import Demand
-from rig.ledger import COLUMNS
 from rig.plan import Run, condition_facts, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
@@ -41,7 +40,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
             "instruments": {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)},
             "clock": {"error": tools.clock_error},
         },
-        ledger_columns=COLUMNS,
+        ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
         scalars=SCALARS,
     )  # fmt: skip

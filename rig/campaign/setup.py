@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.offset import EXACT
 from daq.acquisition import Emulated
 from daq.block import Block
 from daq.fir import OVERSAMPLING
@@ -13,10 +14,12 @@ from daq.frontend import FILTER_DELAY, FrontEnd
 from daq.seeds import stream
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
+from rig.campaign.ablation import exact_energy
 from rig.catalog.entries import Rig
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
 from rig.instruments import Instruments, instruments
+from rig.ledger import COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
 from rig.scene import Condition, Protocol
 from rig.stand import Stand
@@ -37,7 +40,10 @@ class Part:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A protocol with every choice made and nothing computed yet. Seeds hang on content: (seed, condition, repeat)."""
+    """A protocol with every choice made and nothing computed yet. Seeds hang on content: (seed, condition, repeat).
+
+    ablate : let every run tell, in one more column of its ledger, what its bed would take in the exact waveform
+    """
 
     protocol: Protocol
     text: str
@@ -46,6 +52,7 @@ class Campaign:
     runs: tuple[Run, ...]
     lengths: dict[str, Lengths]
     instruments: Instruments
+    ablate: bool = False
 
     @classmethod
     def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
@@ -60,6 +67,11 @@ class Campaign:
         """Seconds of motion that the whole protocol lasts."""
         once = sum((c.acquire.settle + c.acquire.record) / c.drive.frequency for c in self.conditions)
         return once * self.protocol.repeats.n
+
+    @property
+    def ledger_columns(self) -> tuple[str, ...]:
+        """Columns of the ledger that a run hands over."""
+        return (*COLUMNS, EXACT) if self.ablate else COLUMNS
 
     def motion(self, run: Run) -> Waveform:
         """The motion that the servo reaches in a run, on the analyzer's clock."""
@@ -95,7 +107,15 @@ class Campaign:
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)
             last = number == len(size.blocks) - 1
-            yield Part(run, block, stand.drain_ledger(), self.demand(run, stand) if last else None)
+            yield Part(run, block, self._ledger(run, stand), self.demand(run, stand) if last else None)
+
+    def _ledger(self, run: Run, stand: Stand) -> NDArray[np.float64]:
+        rows = stand.drain_ledger()
+        if not self.ablate:
+            return rows
+        condition = run.condition
+        exact = exact_energy(condition.scene, self.rig, stand.motion, self.filling(run), condition.acquire)
+        return np.column_stack([rows, np.full(len(rows), exact)])
 
     def _stream(self, run: Run, word: str) -> np.random.Generator:
         return stream(self.protocol.seed, run.condition.seed_key, str(run.repeat), word)
