@@ -10,6 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from analysis.estimate import coverage_factor
+
 __all__ = ["beaten", "best_critical", "holm", "one_sided_p"]
 
 NODES = 64  # of either quadrature: critical values are good to 1e-3 from 3 degrees of freedom on (tests)
@@ -45,13 +47,19 @@ def best_critical(counts: Sequence[float], own: int, nu: float, level: float) ->
 
 @lru_cache(maxsize=256)
 def _critical(loads: tuple[float, ...], nu: float, level: float) -> float:
-    low, high = 0.0, 1.0
-    while _below(high, loads, nu) < 1 - level:
-        low, high = high, 2 * high
-    while high - low > 1e-6 * high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if _below(middle, loads, nu) < 1 - level else (low, middle)
-    return high
+    """By the secant method from the two bounds: a single comparison, and Bonferroni's."""
+    old, new = _quantile(nu, level), _quantile(nu, level / len(loads))
+    missing_old = _below(old, loads, nu) - (1 - level)
+    while abs(new - old) > 1e-7:
+        missing = _below(new, loads, nu) - (1 - level)
+        old, new = new, new - missing * (new - old) / (missing - missing_old)
+        missing_old = missing
+    return new
+
+
+def _quantile(nu: float, level: float) -> float:
+    """One-sided t quantile."""
+    return coverage_factor(nu, 1 - 2 * level)
 
 
 def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
