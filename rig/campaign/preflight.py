@@ -54,9 +54,9 @@ class Outlook:
     range_acceleration: float
     W_T: float
     W_exp: float
-    U_W_exp: float
+    U_W_exp: float | None
     W_detect: float
-    smallest_difference: float
+    smallest_difference: float | None
     seconds_per_cycle: float
 
     @property
@@ -101,7 +101,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi / motion.omega**2 * apparent_mass(stand, motion) * drive.acceleration**2
     point = predict(condition, rig)
-    U, k_difference, s = _plan(campaign, condition, channels, lost, float(reactive))
+    U, difference = _plan(campaign, condition, channels, lost, float(reactive))
     return Outlook(
         id=condition.id,
         material=scene.grains.material,
@@ -118,7 +118,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         W_exp=lost,
         U_W_exp=U,
         W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
-        smallest_difference=k_difference * s,
+        smallest_difference=difference,
         seconds_per_cycle=seconds / len(rows),
     )
 
@@ -132,17 +132,18 @@ def apparent_mass(stand: Stand, motion: Waveform) -> float:
 
 def _plan(
     campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], W: float, reactive: float
-) -> tuple[float, float, float]:
-    """Expected U of W_exp, the factor from one run's scatter to the smallest decidable difference, that scatter."""
+) -> tuple[float | None, float | None]:
+    """Expected U of W_exp, smallest decidable difference of two conditions, J; None where one run shows no scatter."""
     n = campaign.protocol.repeats.n
     s = _scatter(campaign, condition)
+    if n == 1 and s > 0.0:
+        return None, None
     lines = certificate_lines(channels[0], channels[1], condition.drive.frequency, W, reactive)
     parts = [(line.part, line.nu) for line in lines]
     if n > 1:
         parts.append((s / np.sqrt(n), n - 1.0))
-    dof = 2.0 * (n - 1)
-    factor = float(stdtrit(dof, CONFIDENCE) * np.sqrt(2.0 / n)) if dof > 0 else float("inf")
-    return combine(W, parts).U, factor, s
+    factor = stdtrit(2.0 * (n - 1), CONFIDENCE) * np.sqrt(2.0 / n) if n > 1 else 0.0
+    return combine(W, parts).U, float(factor * s)
 
 
 def _scatter(campaign: Campaign, condition: Condition) -> float:

@@ -6,14 +6,16 @@ not grow with the length of a record and nothing depends on the number of worker
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from analysis import RunEnergy, read_session, run_energy, write_report
 from daq.session import Recorder, open_session
-from rig.campaign.session import session_plan
+from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign, Part
 from rig.campaign.workers import workers as started
+from rig.errors import InputError, Mistake
 from rig.plan import Run
 
 
@@ -43,7 +45,8 @@ def run(
     """
     path = out / "session.h5"
     resume = resume and path.exists()
-    waiting = _waiting(campaign, path if resume else None)
+    finished = _finished(campaign, path) if resume else set()
+    waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
     with started(campaign, waiting, workers if speed is None else 1, speed) as parts:
         if resume:
             recorder = Recorder.resume(path)
@@ -58,13 +61,28 @@ def run(
     return report
 
 
-def _waiting(campaign: Campaign, path: Path | None) -> list[Run]:
-    """The runs that a session has not got yet, in order of execution."""
-    finished: set[str] = set()
-    if path is not None:
-        with open_session(path) as record:
-            finished = {run.name for run in record.runs if run.complete}
-    return sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
+def _finished(campaign: Campaign, path: Path) -> set[str]:
+    """Names of the runs that a session has got. Raises InputError where it is not a session of this very campaign."""
+    asked = identity(campaign)
+    with open_session(path) as record:
+        found = {name: record.document(name) or {} for name in asked}
+        for name, facts in asked.items():
+            for key, value in facts.items():
+                if found[name].get(key) != value:
+                    raise InputError(_differs(path, f"{name} {key}", found[name].get(key), value))
+        return {run.name for run in record.runs if run.complete}
+
+
+def _differs(path: Path, what: str, old: object, new: object) -> Mistake:
+    """The first line in which the session and what was asked for part."""
+    pairs = zip_longest(str(old).splitlines(), str(new).splitlines(), fillvalue="nothing")
+    before, after = next(((a, b) for a, b in pairs if a != b), ("", ""))
+    return Mistake(
+        str(path),
+        what,
+        f"a session recorded with {before.strip()!r}, asked to go on with {after.strip()!r}",
+        "the protocol, seed and rig that it was started with, or --force to start anew",
+    )
 
 
 def _record(

@@ -4,8 +4,10 @@ from dataclasses import asdict
 
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
+from rig.campaign.practice import told
 from rig.campaign.setup import Campaign
 from rig.cases import cases
+from rig.catalog import dump_rig
 from rig.drive.exciter import Demand
 from rig.plan import Run, condition_facts, prediction_document, predictions
 from rig.protocol import dump_protocol
@@ -21,6 +23,9 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
     rate = campaign.lengths[campaign.conditions[0].id].rate
+    mistake = told(protocol.mistake, campaign.rig, rate)
+    if mistake is not None:
+        facts = [{**fact, "mistake": mistake} for fact in facts]
     return SessionPlan(
         rate=rate,
         channels=tools.table(rate, FILTER_DELAY),
@@ -31,7 +36,8 @@ def session_plan(campaign: Campaign) -> SessionPlan:
                   "expect": cases(protocol, campaign.conditions)},
         documents={
             "prediction": prediction_document(found),
-            "rig": {"name": campaign.rig.name, "provenance": dict(campaign.rig.provenance),
+            "rig": {"name": campaign.rig.name, "resolved": dump_rig(campaign.rig),
+                    "provenance": dict(campaign.rig.provenance),
                     "values": [*(asdict(value) for value in campaign.rig.values),
                                *assumed_settings(campaign.conditions)]},
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
@@ -44,6 +50,11 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
         scalars=SCALARS,
     )  # fmt: skip
+
+
+def identity(campaign: Campaign) -> dict[str, dict[str, str]]:
+    """What makes a session this campaign's, by document and key: protocol with its seed, and rig, written out."""
+    return {"protocol": {"resolved": dump_protocol(campaign.protocol)}, "rig": {"resolved": dump_rig(campaign.rig)}}
 
 
 def _run_plan(campaign: Campaign, run: Run, created: str) -> RunPlan:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -165,7 +166,19 @@ def _wanted(kind: str, quantity: str) -> dict[str, Wanted]:
 
 
 def listing() -> tuple[Row, ...]:
-    """Every number of the catalog with its origin, kind by kind in the order of the files."""
+    """Every number of the catalog with its origin, kind by kind in the order of the files; then the rigs'."""
+    return (*_shelved(), *_rigs())
+
+
+def _rigs() -> Iterator[Row]:
+    from rig.catalog.rigfile import load_rig, rig_names
+
+    for name in rig_names():
+        for value in load_rig(name).values:
+            yield Row("rig", name, value.path, value.value, value.unit, value.status, value.source)
+
+
+def _shelved() -> tuple[Row, ...]:
     return tuple(
         Row(kind, name, value.path, value.value, value.unit, value.status, value.source)
         for kind in KINDS

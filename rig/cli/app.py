@@ -21,6 +21,24 @@ app = typer.Typer(
     epilog="Start with: rig init, then rig check protocol.yaml, then rig run protocol.yaml",
 )
 
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(version("particle-damper-rig"))
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_version, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Virtual test rig for particle dampers: run a protocol, read the records, compare with the model."""
+
+
 ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML).")]
 Sets = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked.")
@@ -33,7 +51,7 @@ Seed = Annotated[int | None, typer.Option(help="Session seed instead of the prot
 RigFile = Annotated[str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")]
 Json = Annotated[bool, typer.Option("--json", help="Print results as JSON and nothing else.")]
 Strict = Annotated[
-    bool, typer.Option("--strict", help="An exciter beyond its limits is an error, before anything runs.")
+    bool, typer.Option("--strict", help="A rating exceeded (fundamental) is an error before anything runs.")
 ]
 
 

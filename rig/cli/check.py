@@ -1,14 +1,13 @@
 """`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-
-from rich.console import Console
 
 from rig.campaign import Campaign
 from rig.campaign.preflight import Outlook, disk, preflight
 from rig.cli.output import cores, print_json
-from rig.cli.tables import number, table
+from rig.cli.tables import millijoules, number, table, terminal
 
 
 def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
@@ -28,31 +27,42 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         print_json({"conditions": rows, **{k: v for k, v in totals.items() if k != "stand_time_s"}})
     else:
         _print_outlook(outlooks, totals)
-    return 2 if strict and any(o.beyond for o in outlooks) else 0
+    refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
+    for line in refused:
+        print(f"rig: --strict: {line}", file=sys.stderr)
+    return 2 if refused else 0
 
 
 def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float]) -> None:
-    console = Console()
+    console = terminal()
     rows = [
         (
-            o.id, o.bed, f"{o.fill:.0%}", number(o.diameter * 1e3), number(o.acceleration),
+            o.id, o.material, o.bed, f"{100 * o.fill:g}", number(o.acceleration),
             f"{o.samples_per_cycle:.0f}",
             *(f"{share:.2f}" for share in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
             f"{o.exciter.peak:.2f}", f"{max(o.range_force, o.range_acceleration):.2f}",
         )
         for o in outlooks
     ]  # fmt: skip
-    columns = ("id", "bed", "fill", "d/mm", "a", "S/cycle", "force", "current", "voltage", "stroke", "peak", "range")
-    console.print(table("Shares of the exciter's and the front end's limits", columns, rows, ("id", "bed")))
+    columns = ("id", "grains", "bed", "fill", "a", "S/cyc", "force", "curr.", "volt.", "stroke", "peak", "range")
+    console.print(table("Shares of the limits of exciter and front end: 1 is the limit", columns, rows,
+                        ("id", "grains", "bed")))  # fmt: skip
     lines = [
         (
-            o.id, number(o.W_T), number(o.W_exp), number(o.U_W_exp, 2), number(o.W_detect, 2),
-            number(o.smallest_difference, 2),
+            o.id, *map(millijoules, (o.W_T, o.W_exp)), *(millijoules(value, 2) for value in (
+                o.U_W_exp, o.W_detect, o.smallest_difference)),
         )
         for o in outlooks
     ]  # fmt: skip
-    energies = ("id", "W_T/J", "W_exp/J", "U/J", "W_detect/J", "least difference/J")
-    console.print(table("Plan: what the repeats will be able to tell (95 %)", energies, lines, ("id",)))
+    energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference")
+    console.print(
+        table(
+            "Plan, mJ per cycle: what the repeats will be able to tell (95 %); - for one repeat",
+            energies,
+            lines,
+            ("id",),
+        )
+    )
     for o in outlooks:
         for flag in o.flags:
             console.print(f"{o.id}: {flag}")

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
-from rig.cli.tables import print_report
+from rig.cli.tables import print_report, terminal
 
 PASSES = "passes"
 
@@ -20,7 +18,7 @@ def print_json(value: Any) -> None:
 
 def print_result(report: Mapping[str, Any], folder: Path) -> None:
     """The verdict table of a report, and where its page lies."""
-    console = Console()
+    console = terminal()
     print_report(console, report)
     console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
 

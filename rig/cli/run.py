@@ -3,12 +3,11 @@
 import os
 from pathlib import Path
 
-from rich.console import Console
-
 from rig.campaign import Campaign
 from rig.campaign import run as run_campaign
 from rig.cli.live import live_view
 from rig.cli.output import PASSES, cores, print_json, print_result
+from rig.cli.tables import terminal
 from rig.errors import InputError, Mistake
 
 
@@ -19,7 +18,7 @@ def run_protocol(
     """`rig run`: 0 where the verdict passes, 1 where it does not."""
     _check_folder(out, resume, force)
     count = workers or cores()
-    console = Console(stderr=True, quiet=as_json)
+    console = terminal(stderr=True, quiet=as_json)
     if strict:
         _refuse_beyond(campaign, count)
     with live_view(campaign, console) as view:

@@ -1,10 +1,27 @@
-"""Plain tables and numbers for the terminal; readable at 80 columns and without colour."""
+"""Plain tables and numbers for the terminal; readable at 80 columns and without colour, never cut in a pipe."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+
+PIPE_WIDTH = 200
+"""Columns where nobody's window sets them: in a pipe or a log nothing is cut or wrapped."""
+
+
+def terminal(stderr: bool = False, quiet: bool = False) -> Console:
+    """The console that results or progress are printed to."""
+    console = Console(stderr=stderr, quiet=quiet)
+    return console if console.is_terminal else Console(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
+
+
+def millijoules(value: float | None, digits: int = 4) -> str:
+    """An energy in mJ to some digits, without an exponent where it is 0.01 mJ or more."""
+    if value is None:
+        return "-"
+    scaled = 1e3 * value
+    return f"{scaled:.{digits}g}" if abs(scaled) < 10.0**digits else f"{scaled:.0f}"
 
 
 def number(value: Any, digits: int = 3) -> str:
@@ -35,14 +52,18 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
     """The verdict table of a run: a line per condition, the agreement, the nulls, the verdict and its reasons."""
     rows = (
         (
-            c["id"], c["material"], c["bed"], f"{c['fill']:.0%}", number(c["diameter"] * 1e3),
-            number(c["acceleration"]), number(c["W_exp"]), number(c["U_W_exp"], 2), number(c["W_T"]),
+            c["id"], c["material"], f"{1e3 * c['diameter']:g}", c["bed"], f"{100 * c['fill']:g}",
+            number(c["acceleration"]), millijoules(c["W_exp"]), millijoules(c["U_W_exp"], 2), millijoules(c["W_T"]),
             percent(c["offset"]), number(c["E_n_chain"], 2),
         )
         for c in report["conditions"]
     )  # fmt: skip
-    columns = ("id", "grains", "bed", "fill", "d/mm", "a", "W_exp/J", "U/J", "W_T/J", "offset", "E_n chain")
-    console.print(table("", columns, rows, ("id", "grains", "bed")))
+    columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n ch.")
+    console.print(
+        table("Energies in mJ per cycle, fill in %, d in mm, a in m/s2", columns, rows, ("id", "grains", "bed"))
+    )
+    for claim in report["claims"]:
+        console.print(f"claim: {claim['claim']}: {claim['verdict']} ({claim['why']})")
     agreement = report["agreement"]
     if agreement["ratio"] is not None:
         console.print(

@@ -38,7 +38,7 @@ def mistakes_of(text: str, tmp_path: Path) -> list[str]:
 
 def test_every_number_has_an_origin() -> None:
     rows = listing()
-    assert {row.kind for row in rows} == {"material", "exciter", "transducer", "analyzer"}
+    assert {row.kind for row in rows} == {"material", "exciter", "transducer", "analyzer", "rig"}
     assert all(row.status in STATUSES and row.source for row in rows)
     assert all(value.status in STATUSES and value.source for value in load_rig().values)
 

@@ -14,6 +14,7 @@ from analysis import read_session, write_report
 from daq.session import open_session
 from rig.campaign import Campaign, run
 from rig.catalog import load_rig
+from rig.errors import InputError
 from rig.protocol import load_protocol
 
 
@@ -187,3 +188,14 @@ def test_codes_stay_inside_the_converter(nominal: Path) -> None:
             found = record.codes(r.name, "force")
             assert found.dtype == np.int32
             assert np.abs(found.astype(np.int64)).max() < 2**23
+
+
+@pytest.mark.parametrize(
+    "change", ["scene.grains.material=alumina", "seed=8", "repeats.n=3", "acquire.record=50 cycles"]
+)
+def test_only_the_same_campaign_goes_on_with_a_session(nominal: Path, change: str) -> None:
+    """Another protocol or seed is refused with the line that differs, and the session is left as it was."""
+    before = (nominal / "session.h5").read_bytes()
+    with pytest.raises(InputError, match="asked to go on with"):
+        run(campaign((change,)), nominal, workers=1, resume=True)
+    assert (nominal / "session.h5").read_bytes() == before

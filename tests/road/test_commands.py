@@ -88,6 +88,7 @@ def test_catalog_names_statuses(rig_command: Rig) -> None:
     rows = json.loads(done.stdout)
     assert {row["status"] for row in rows} <= {"sourced", "recalled", "computed", "assumed"}
     assert any(row["name"] == "JZ-30" for row in rows)
+    assert any(row["field"] == "wall_friction" for row in json.loads(rig_command("catalog", "rig", "--json").stdout))
 
 
 BAD = {
