@@ -5,9 +5,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from analysis.causes import causes
 from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
+from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, offset_terms
 from analysis.ratio import energy_ratio, propagated
@@ -32,7 +34,7 @@ def agreement(
     protocol: str = "",
     question: str = "",
     synthetic: bool = False,
-    assumed: Iterable[Mapping[str, Any]] = (),
+    assumed: Sequence[Mapping[str, Any]] = (),
     left_out: Sequence[Mapping[str, str]] = (),
     expect: Iterable[Mapping[str, Any]] = (),
     actual: Actual | None = None,
@@ -77,6 +79,7 @@ def agreement(
             for result in results
         ],
         "agreement": _agreement(results),
+        "causes": causes(results, conditions, channels, assumed),
         "claims": judge(expect, {result.setting.id: result for result in results}),
         "nulls": [null.row() for null in nulls],
         "references": [reference.row() for reference in known],
@@ -89,6 +92,9 @@ def agreement(
         "instruments": [_instrument(channels[name]) for name in ("force", "acceleration")],
         "assumed": [dict(value) for value in assumed],
     }
+    mistake = deliberate(results, channels)
+    if mistake is not None:
+        report["mistake"] = mistake
     return {key: _jsonable(value) for key, value in report.items()}
 
 

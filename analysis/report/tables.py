@@ -1,71 +1,22 @@
 """The report's tables, the same in every form of it."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from analysis.report.cells import UNBOUNDED, Cell, Table, fixed, number, significant, with_U
+from analysis.report.reasons import causes, offset_terms
 
 __all__ = ["Cell", "Table", "all_tables", "significant", "with_U"]
 
 Report = dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """A table cell: what is shown, and the number to sort by where it is one; numeric: stands with the numbers."""
-
-    text: str
-    value: float | None = None
-    numeric: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """A titled table with a note; no rows: nothing to show."""
-
-    title: str
-    note: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-
-
-UNKNOWN = Cell("–", numeric=True)
-UNBOUNDED = Cell("∞", math.inf)
-
-
-def significant(value: float, digits: int) -> str:
-    """A number to so many significant digits, with an exponent only where it would be a row of zeros."""
-    if value == 0 or not 1e-4 <= abs(value) < 1e6:
-        return f"{value:.{digits}g}"
-    value = float(f"{value:.{digits}g}")
-    places = digits - 1 - math.floor(math.log10(abs(value)))
-    return f"{value:.{max(0, places)}f}"
-
-
-def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
-    """A number to so many significant digits; a dash where it is not known."""
-    return UNKNOWN if value is None else Cell(significant(value * scale, digits), value * scale)
-
-
-def fixed(value: float | None, places: int) -> Cell:
-    """A number to so many decimal places; a dash where it is not known."""
-    return UNKNOWN if value is None else Cell(f"{value:.{places}f}", value)
-
-
-def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
-    """value ± U, U to two significant digits and the value to the same place."""
-    if value is None or U is None or U == 0:
-        return number(value, 4, scale)
-    value, U = value * scale, U * scale
-    places = max(0, 1 - math.floor(math.log10(U)))
-    if places > 6:  # far below anything worth a row of zeros
-        return Cell(f"{value:.3g} ± {U:.2g}", value)
-    return Cell(f"{value:.{places}f} ± {U:.{places}f}", value)
-
-
 def all_tables(report: Report) -> tuple[Table, ...]:
     """The tables that have rows, in the order of the page."""
-    made = (make(report) for make in (claims, conditions, nulls, references, flags, budget, instruments, values))
+    made = (
+        make(report)
+        for make in (claims, conditions, offset_terms, causes, nulls, references, flags, budget, instruments, values)
+    )
     return tuple(table for table in made if table.rows)
 
 
