@@ -34,7 +34,7 @@ HOMES = {
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
     "h5py": ("daq.session",),
-    "matplotlib": ("analysis.figures",),
+    "matplotlib": ("analysis.figures", "analysis.study_figures"),
     "numba": ("daq", "rig.kernels"),
 }
 """All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
