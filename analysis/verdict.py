@@ -36,7 +36,7 @@ def verdict(
     faulted = [run.run for r in results for run in r.runs if FAULTS & set(run.flags)]
     checks = [
         _ledger(closure), *map(_null, nulls), *map(_reference, references), _faults(faulted, left_out),
-        _chain(chain, share), (bool(results), "" if results else "No run can be used."),
+        _chain(chain, share), _repeats(results), (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
@@ -77,4 +77,12 @@ def _chain(chain: Sequence[bool], share: float | None) -> tuple[bool, str]:
     if share is None:
         return True, "The chain comparison is not made: the record holds no truth."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
-    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed)."
+    shared = "The instruments' error is common to all of them: this is one draw, outside its U in 1 of 20 sessions."
+    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed). {shared}"
+
+
+def _repeats(results: Sequence[Result]) -> tuple[bool, str]:
+    single = sum(len(r.runs) == 1 for r in results)
+    if not single:
+        return True, ""
+    return True, f"{single} condition(s) have a single run: their U holds nothing of the scatter between refills."

@@ -98,12 +98,22 @@ def check(
 @app.command()
 def model(
     protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file; else defaults.")] = None,
-    rig: RigFile = None, set_: Sets = None, vary: Varies = None, json: Json = False,
+    rig: RigFile = None, set_: Sets = None, vary: Varies = None,
+    study: Annotated[str | None, typer.Option(metavar="NAME", help="friction, collision or errata, in place.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a study; default studies/NAME.")] = None,
+    json: Json = False,
 ) -> None:  # fmt: skip
     """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
 
+    With --study: the paper's Figs. 5 to 8, or its errata with their numbers, as figures, CSV and a table.
+
     Example: rig model --set scene.grains.diameter="5 mm" --vary drive.acceleration=[2,4,6]
     """
+    if study is not None:
+        from rig.cli.study import study_files
+
+        study_files(study, out, json)
+        return
     from rig.cli.model import model_table
 
     model_table(_load(protocol or _DEFAULTS, set_, vary, None, rig), json)

@@ -1,13 +1,15 @@
 """`rig model`: both tiers of W_T without a stand, hence without instruments, records and analysis."""
 
-from rich.console import Console
-
 from rig.catalog import load_rig
 from rig.cli.output import print_json
-from rig.cli.tables import number, table
+from rig.cli.tables import millijoules, number, table, terminal
 from rig.model import predict
 from rig.plan import model_row
 from rig.protocol import LoadedProtocol
+
+TITLE = (
+    "Energies in mJ per cycle: closed tier, paper tier (`paper`), bound; longest period of a row in cycles, 0 for none"
+)
 
 
 def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
@@ -19,16 +21,15 @@ def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
         return
     lines = [
         (
-            row["id"], row["material"], row["bed"], f"{row['fill']:.0%}", number(row["diameter"] * 1e3),
-            number(row["acceleration"]), number(row["W_f"]), number(row["W_c"]), number(row["W_T"]),
-            number(row["W_T_paper"]), number(row["bound"]), str(row["period"]),
+            row["id"], row["material"], f"{1e3 * row['diameter']:g}", row["bed"], f"{100 * row['fill']:g}",
+            number(row["acceleration"]), *map(millijoules, (row["W_f"], row["W_c"], row["W_T"], row["W_T_paper"],
+                                                            row["bound"])), str(row["period"]),
         )
         for row in rows
     ]  # fmt: skip
-    columns = ("id", "grains", "bed", "fill", "d/mm", "a", "W_f", "W_c", "W_T", "paper", "bound", "period")
-    console = Console()
-    console.print(table("Energy per cycle, J (closed tier; `paper` is the paper tier)", columns, lines,
-                        ("id", "grains", "bed")))  # fmt: skip
+    columns = ("id", "grains", "d", "bed", "fill", "a", "W_f", "W_c", "W_T", "paper", "bound", "per.")
+    console = terminal()
+    console.print(table(TITLE, columns, lines, ("id", "grains", "bed")))
     for row in rows:
         for name, label in (("W_T", "closed tier"), ("W_T_paper", "paper tier")):
             if row["bed"] == "layers" and row[name] > row["bound"]:

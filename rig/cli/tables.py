@@ -50,6 +50,8 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], lef
 
 def print_report(console: Console, report: Mapping[str, Any]) -> None:
     """The verdict table of a run: a line per condition, the agreement, the nulls, the verdict and its reasons."""
+    from analysis.report.mistake import mistake_sentences
+
     rows = (
         (
             c["id"], c["material"], f"{1e3 * c['diameter']:g}", c["bed"], f"{100 * c['fill']:g}",
@@ -71,11 +73,6 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
             f"(mean offset {percent(agreement['mean_offset'])} over {agreement['n']} conditions)"
         )
     console.print(f"tests: {report['tests']}; waveform: {report['waveform']} (ideal waveform assumed in servo drive)")
-    for null in report["nulls"]:
-        console.print(f"null {null['null']}: {null['verdict']} ({null['why']})")
-    closure = report["ledger"]["closure_max"]
-    if closure is not None:
-        console.print(f"ledger closes to {closure:.1e}")
     console.print(f"verdict: {report['verdict']}")
     for reason in report["reasons"]:
         console.print(f"  {reason}")
