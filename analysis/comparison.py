@@ -9,6 +9,7 @@ from analysis.causes import causes
 from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
+from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, offset_terms
 from analysis.ratio import energy_ratio, propagated
@@ -91,6 +92,9 @@ def agreement(
         "instruments": [_instrument(channels[name]) for name in ("force", "acceleration")],
         "assumed": [dict(value) for value in assumed],
     }
+    mistake = deliberate(results, channels)
+    if mistake is not None:
+        report["mistake"] = mistake
     return {key: _jsonable(value) for key, value in report.items()}
 
 

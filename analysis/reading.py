@@ -8,6 +8,7 @@ import numpy as np
 from analysis.comparison import agreement
 from analysis.cycles import Window, on_grid, whole_cycles
 from analysis.energy import combined, window_energy
+from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
 from analysis.uncertainty import noise_of
@@ -48,11 +49,12 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         if found & BROKEN:
             raise AnalysisError(f"{run.name} has {', '.join(flag_names(found & BROKEN))} in samples {first} to {last}")
         bits |= found & ~Flag.NOT_SETTLED
-        parts.append(window_energy(
-            on_grid(signals[0].samples, first, part), on_grid(signals[1].samples, first, part),
-            part.cycles, setting.frequency,
+        F, a = (on_grid(signal.samples, first, part) for signal in signals)
+        energy = window_energy(
+            F, a, part.cycles, setting.frequency,
             time_constants=(force.time_constant, acceleration.time_constant), delay=delay, box_mass=setting.box_mass,
-        ))  # fmt: skip
+        )  # fmt: skip
+        parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
     energy, scalars = combined(parts), record.scalars(run.name)
     wanted = int(setting.record_cycles)
     short = (f"{window.cycles}_of_{wanted}_cycles",) if window.cycles < wanted else ()

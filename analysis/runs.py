@@ -104,7 +104,7 @@ class Record(Protocol):
 @dataclass(frozen=True, slots=True)
 class Setting:
     """A condition: what was set, as the session says. SI units; carried: a bed is there but nothing in it can slide;
-    dashpot_c: N s/m of a dashpot, None for other beds."""
+    dashpot_c: N s/m of a dashpot, None for other beds; mistake: what is deliberately done wrong (analysis.mistakes)."""
 
     id: str
     material: str
@@ -123,11 +123,12 @@ class Setting:
     gauge_mass: float
     moving_mass: float
     dashpot_c: float | None = None
+    mistake: Mapping[str, Any] | None = None
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
         """The setting in a session's condition. AnalysisError naming the first key that is missing."""
-        known = {"dashpot_c": None, **condition}
+        known = {"dashpot_c": None, "mistake": None, **condition}
         try:
             return cls(**{name: known[name] for name in cls.__slots__})
         except KeyError as error:

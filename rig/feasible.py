@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from rig.catalog import analyzer, names
+from rig.catalog import analyzer, names, transducer
 from rig.catalog.shelves import IDEAL, sensors_for
 from rig.errors import nearest, quote
+from rig.practice import BadPractice
 from rig.scene import (
     BEDS,
     BUILT_BEDS,
@@ -28,6 +30,8 @@ MOST_SAMPLES_PER_CYCLE = 10**6
 MOST_SAMPLES = 10**9
 MOST_LAYERS = 20000
 MOST_ROWS = 10**7
+LONGEST_READING = 64
+"""Cycles that the analysis holds at a time; a reading of broken cycles takes one such stretch."""
 
 
 @dataclass(frozen=True)
@@ -127,3 +131,21 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
 @cache
 def _known_analyzer(name: str) -> AnalyzerSpec | None:
     return analyzer(name) if name in (*names("analyzer"), IDEAL) else None
+
+
+def misfits(practice: BadPractice, scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
+    """Everything that keeps a deliberate mistake from being made in this condition."""
+    if len(practice.kinds) > 1:
+        yield Conflict(("mistake",), " and ".join(practice.kinds), "one mistake at most")
+    sensor = acquire.sensors.acceleration
+    known = sensor in sensors_for("acceleration")
+    if practice.pole is not None and (sensor == IDEAL or (known and transducer(sensor).time_constant is None)):
+        found = f"a pole of {sensor}, which has none"
+        yield Conflict(("mistake.pole", "acquire.sensors.acceleration"), found, "a sensor with a time constant")
+    if practice.cycles is not None and not math.ceil(practice.cycles) <= acquire.record <= LONGEST_READING:
+        allowed = f"acquire.record from the next whole number of cycles to {LONGEST_READING} cycles"
+        yield Conflict(("mistake.cycles", "acquire.record"), f"{practice.cycles:g} of {acquire.record} cycles", allowed)
+    if practice.friction and not ("mount" in scene.losses and scene.support == "guide"):
+        found = f"losses {', '.join(scene.losses) or 'none'} on support {scene.support}"
+        paths = ("mistake.friction", "scene.losses", "scene.support")
+        yield Conflict(paths, found, "the loss mount on the support guide")

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rig.errors import InputError, Mistake, in_order
-from rig.feasible import conflicts
+from rig.feasible import conflicts, misfits
 from rig.scene import Acquire, Condition, Drive, Protocol, Scene
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def expand(
     points = []
     materials: dict[str, Material | None] = {}
     for point in _points(protocol):
-        for conflict in conflicts(point.scene, point.drive, point.acquire):
+        found = conflicts(point.scene, point.drive, point.acquire)
+        for conflict in (*found, *misfits(protocol.mistake, point.scene, point.acquire)):
             if not failed.intersection(conflict.paths):
                 where = place(conflict.paths[0], point.rows)
                 mistakes[Mistake(where, conflict.paths[0], conflict.found, conflict.allowed, conflict.hint)] = None

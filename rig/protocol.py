@@ -17,6 +17,7 @@ from rig.edits import edited
 from rig.errors import InputError, in_order
 from rig.expect import plain_expect, read_expect
 from rig.grid import Row, expand
+from rig.practice import BadPractice
 from rig.scene import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
 from rig.strict import (
     Notes,
@@ -85,6 +86,9 @@ def dump_protocol(protocol: Protocol) -> str:
         "faults": list(protocol.faults),
         "expect": [plain_expect(claim) for claim in protocol.expect],
     }
+    made = plain(BadPractice, protocol.mistake)
+    if protocol.mistake.kinds:
+        data["mistake"] = {kind: made[kind] for kind in protocol.mistake.kinds}
     return write_yaml(data)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
+from rig.practice import NO_MISTAKE, BadPractice
 from rig.units import Quantity
 
 SCHEMA = "rig/protocol/1"
@@ -186,6 +187,7 @@ class Protocol:
     seed: Annotated[int, Quantity("number", 0, 2**63 - 1)] = 2015
     faults: tuple[Mapping[str, Any], ...] = ()
     expect: tuple[Expect, ...] = ()
+    mistake: BadPractice = NO_MISTAKE
 
     def conditions(self) -> tuple[Condition, ...]:
         """Every condition of the grid, resolved. InputError lists every value out of range and what does not fit."""

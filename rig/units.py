@@ -19,6 +19,7 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "number": {"": _ONE, "%": Decimal("0.01"), "ppm": _MICRO},
     "ppm": {"ppm": _ONE},
     "cycles": {"cycles": _ONE, "cycle": _ONE},
+    "samples": {"samples": _ONE, "sample": _ONE},
     "length": {"m": _ONE, "mm": _MILLI, "cm": Decimal("0.01"), "um": _MICRO},
     "mass": {"kg": _ONE, "g": _MILLI},
     "time": {"s": _ONE, "ms": _MILLI, "us": _MICRO},

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from analysis.report import wording
+from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.tables import Table, all_tables
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def markdown_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
         f"## Verdict: {wording.verdict_line(report)}",
         "\n".join(f"- {_plain(reason)}" for reason in wording.reasons(report)),
         _plain(wording.headline(report)),
+        *(f"**{_plain(text)}**" for text in mistake_sentences(report)),
+        *map(_table, mistake_tables(report)),
         *(f"![{plot.alt}](figures/{plot.name}.svg)" for plot in drawn),
     ]
     parts += [_table(table) for table in all_tables(report)]

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
+from rig.campaign.practice import told
 from rig.campaign.setup import Campaign
 from rig.cases import cases
 from rig.catalog import dump_rig
@@ -22,6 +23,9 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
     rate = campaign.lengths[campaign.conditions[0].id].rate
+    mistake = told(protocol.mistake, campaign.rig, rate)
+    if mistake is not None:
+        facts = [{**fact, "mistake": mistake} for fact in facts]
     return SessionPlan(
         rate=rate,
         channels=tools.table(rate, FILTER_DELAY),

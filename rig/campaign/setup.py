@@ -15,6 +15,7 @@ from daq.seeds import stream
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
+from rig.campaign.practice import seen, spoiled
 from rig.catalog.entries import Rig
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
@@ -60,7 +61,7 @@ class Campaign:
         conditions = protocol.conditions()
         tools = instruments(conditions, rig, protocol.seed)
         sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
-        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, tools)
+        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoiled(tools, protocol.mistake))
 
     @property
     def rig_time(self) -> float:
@@ -103,7 +104,8 @@ class Campaign:
         stand = self.stand(run)
         noise = [self._stream(run, channel.name) for channel in tools.channels]
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
-        acquisition = Emulated(Transduced(stand, tools.states), front)
+        source = seen(stand, self.protocol.mistake, run.condition, self.rig, stand.motion)
+        acquisition = Emulated(Transduced(source, tools.states), front)
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)
             last = number == len(size.blocks) - 1
