@@ -8,11 +8,9 @@ Array = NDArray[np.float64]
 
 NEVER = np.inf
 AT_REST = 1e-12
-"""Grains that close more slowly than this share of the fastest one stay together: an inelastic collapse ends.
-
-A collapse halves its closing speed every few hits, so that the cut comes after some 10^2 to 10^4 hits; what it leaves
-out is below n (1e-12)^2 of the energy, and it brings no length or time of its own into hard points.
-"""
+"""Grains that close more slowly than this share of the fastest one stay together: what that leaves out is below
+n (1e-12)^2 of the energy. It ends files that do not collapse, n (1 - e) < pi; a collapse has a million hits before its
+speeds have fallen so far, and is ended by a contact duration."""
 
 MOST_HITS = 10_000_000
 """Hits after which a collision is given up."""

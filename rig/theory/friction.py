@@ -1,28 +1,78 @@
 """Friction in a Janssen stack: eqs 1 to 5."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-SLIP_PER_DIAMETER = (4.0 * np.sqrt(3.0) / 3.0 - 2.0) / 2.0
+SLIP_PER_DIAMETER = float((4.0 * np.sqrt(3.0) / 3.0 - 2.0) / 2.0)
 """Eq 4 over the diameter: the free play of a layer between its thinnest and thickest packing, about 0.1547."""
 
 
+class SliceForces(NamedTuple):
+    """Vertical forces on a slice of the stack, N: of the walls L1 and L2 (one each), from below, from above, weight."""
+
+    F1: float
+    F2: float
+    F3: float
+    F4: float
+    G: float
+
+
+def slice_forces(
+    stress: float,
+    stress_step: float,
+    thickness: float,
+    length: float,
+    width: float,
+    bulk_density: float,
+    gravity: float,
+    wall_friction: float,
+    janssen_ratio: float,
+) -> SliceForces:
+    """Forces on a slice of `thickness` (m) under `stress` (Pa), which grows by `stress_step` through it, N (eq 2).
+
+    Right as printed, for wall friction fully mobilised upward: a silo at rest, which a shaken bed is not.
+    """
+    side = wall_friction * janssen_ratio * stress * thickness
+    area = length * width
+    return SliceForces(
+        F1=side * length,
+        F2=side * width,
+        F3=(stress + stress_step) * area,
+        F4=stress * area,
+        G=bulk_density * gravity * area * thickness,
+    )
+
+
+def slice_imbalance(forces: SliceForces) -> float:
+    """2 F1 + 2 F2 + F3 - F4 - G, N: upward minus downward, zero where the slice rests (eq 1, right as printed)."""
+    return 2.0 * forces.F1 + 2.0 * forces.F2 + forces.F3 - forces.F4 - forces.G
+
+
 def slip_distance(diameter: float) -> float:
-    """Slip of one layer from the thinnest to the thickest packing, m (eq 4; r = d/2)."""
+    """Slip of one layer, m (eq 4; r = d/2): (4 sqrt(3)/3 - 2) r = 0.3094 r.
+
+    Erratum: this is the free gap along the edge of a body-centred cell (edge 4 r/sqrt(3)), one choice of geometry among
+    several, and not "from the thinnest to the thickest".
+    """
     return SLIP_PER_DIAMETER * diameter
 
 
 def janssen_length(length: float, width: float, wall_friction: float, janssen_ratio: float) -> float:
-    """Depth over which the stress saturates, m: L1 L2 / (2 mu_s K_p (L1 + L2)); infinite without wall friction (eq 3)."""
+    """Depth over which the stress saturates, m (eq 3): L1 L2/(2 mu_s K_p (L1 + L2)); infinite without wall friction."""
     if wall_friction * janssen_ratio == 0.0:
         return float("inf")
     return length * width / (2.0 * wall_friction * janssen_ratio * (length + width))
 
 
 def janssen_stress(depth: ArrayLike, bulk_density: float, gravity: float, saturation_length: float) -> Array:
-    """Vertical stress at a depth below the free surface, Pa (eq 3), hydrostatic where the walls carry nothing."""
+    """Vertical stress at a depth below the free surface, Pa (eq 3), hydrostatic where the walls carry nothing.
+
+    Right as printed. No fill rate is in it: a depth below the *lid* brings one in (Fig. 6).
+    """
     h = np.asarray(depth, dtype=np.float64)
     if np.isinf(saturation_length):
         return bulk_density * gravity * h
@@ -36,16 +86,21 @@ def friction_energy_per_slip(
     width: float,
     bulk_density: float,
     gravity: float,
-    grain_friction: float,
+    grain_friction: ArrayLike,
     saturation_length: float,
 ) -> float:
     """Friction work when each of the layers slips once by eq 4, J (eq 5 corrected: mu_s in the exponent, h_i = i d).
 
+    grain_friction : mu_p of every layer, shape (layers,), or one for all
+
+    Errata: mu_i stands in the exponent for mu_s; h_i = w H would put every layer at the bottom; N must be a whole
+    number.
     It has no amplitude in it: the same number at any acceleration, and joules per slip, not per cycle.
     """
     depth = diameter * np.arange(1, layers + 1)
     stress = janssen_stress(depth, bulk_density, gravity, saturation_length)
-    return float(grain_friction * length * width * slip_distance(diameter) * stress.sum())
+    capacity = np.asarray(grain_friction, dtype=np.float64) * stress
+    return float(length * width * slip_distance(diameter) * capacity.sum())
 
 
 def layer_capacity(
@@ -58,8 +113,9 @@ def layer_capacity(
     grain_friction: float,
     saturation_length: float,
 ) -> Array:
-    """Net friction capacity of each layer against the box, N, shape (layers,): F_i - F_(i-1), F_i = mu_p sigma(h_i) L1 L2.
+    """Net friction capacity of each layer against the box, N, shape (layers,).
 
+    F_i - F_(i-1), where F_i = mu_p sigma(h_i) L1 L2 is the capacity of the interface below layer i.
     The stack slides one way and its interfaces share the load (assumed, docs/model.md): the top layer has the
     largest capacity, the deep ones, whose weight the walls carry, the smallest.
     """

@@ -12,6 +12,8 @@ from rig.theory.friction import (
     janssen_stress,
     layer_capacity,
     side_wall_capacity,
+    slice_forces,
+    slice_imbalance,
     slip_distance,
 )
 
@@ -90,3 +92,46 @@ def test_friction_energy_is_proportional_to_density(d: float, layers: int, facto
     args = (layers, d, 0.15, 0.15)
     one = friction_energy_per_slip(*args, 1000.0, 9.8, 0.25, 0.12)
     assert friction_energy_per_slip(*args, 1000.0 * factor, 9.8, 0.25, 0.12) == pytest.approx(factor * one, rel=1e-13)
+
+
+def test_forces_on_a_slice_by_hand() -> None:
+    """Eq 2: sigma = 100 Pa, mu K = 0.5, 2 m x 3 m x 0.1 m of 10 kg/m3 at g = 10: F1 = 10, F2 = 15, G = 60 N."""
+    forces = slice_forces(100.0, 5.0, 0.1, 2.0, 3.0, 10.0, 10.0, 0.5, 1.0)
+    assert forces == pytest.approx((10.0, 15.0, 630.0, 600.0, 60.0))
+    assert slice_imbalance(forces) == pytest.approx(20.0 + 30.0 + 30.0 - 60.0)
+
+
+@given(st.floats(0.0, 2.0), st.floats(1e-6, 1e-4))
+def test_eq3_balances_a_thin_slice(depth: float, thin: float) -> None:
+    """Eq 1 at the mid stress: the imbalance over the weight falls as the square of the thickness over lambda."""
+    saturation = janssen_length(0.15, 0.25, 0.45, 0.7)
+    top, middle, bottom = janssen_stress(depth + thin * np.array([0.0, 0.5, 1.0]), 1650.0, 9.8, saturation)
+    forces = slice_forces(middle, bottom - top, thin, 0.15, 0.25, 1650.0, 9.8, 0.45, 0.7)
+    # round-off of the two stresses, 1e-16 sigma against the weight of the slice, dominates
+    assert abs(slice_imbalance(forces)) / forces.G < (thin / saturation) ** 2 + 1e-14 * saturation / thin
+
+
+def test_friction_coefficient_of_each_layer() -> None:
+    """mu_pi of eq 5: a list of equal ones is one for all, and the work is linear in each."""
+    args, rest = (3, 0.004, 0.15, 0.15, 1000.0, 9.8), 0.12
+    one = friction_energy_per_slip(*args, 0.25, rest)
+    assert friction_energy_per_slip(*args, [0.25] * 3, rest) == one
+    parts = sum(friction_energy_per_slip(*args, list(row), rest) for row in 0.25 * np.eye(3))
+    assert parts == pytest.approx(one, rel=1e-14)
+
+
+def test_grain_size_drops_out_of_eq5_as_it_vanishes() -> None:
+    """d -> 0: 0.1547 mu_p rho_b g lambda A (w H - lambda (1 - exp(-w H/lambda))), then a term in d/2."""
+    saturation, depth = janssen_length(0.15, 0.15, 0.45, 0.7), 0.34
+    scale = slip_distance(1.0) * 0.25 * 1000.0 * 9.8 * saturation * 0.15**2
+    limit = scale * (depth - saturation * -np.expm1(-depth / saturation))
+    for layers in (340, 34_000):
+        found = friction_energy_per_slip(layers, depth / layers, 0.15, 0.15, 1000.0, 9.8, 0.25, saturation)
+        assert found - limit == pytest.approx(scale * depth / layers / 2 * -np.expm1(-depth / saturation), rel=0.01)
+
+
+def test_empty_and_full_box() -> None:
+    """w -> 0: nothing. w = 1: all H/d layers, more than any lower fill (eq 5 rises throughout)."""
+    found = [friction_energy_per_slip(n, 0.004, 0.15, 0.15, 1000.0, 9.8, 0.25, 0.12) for n in range(101)]
+    assert found[0] == 0.0
+    assert (np.diff(found) > 0).all()
