@@ -156,14 +156,8 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
     if spinning is not None:
         (r1, spin1), (r2, spin2) = spinning
         slip = slip + np.cross(r1[..., None] * spin1 + r2[..., None] * spin2, n)
-    speed = np.linalg.norm(slip, axis=-1)
-    m_t = m_r if spinning is None else ROLLING * m_r
-    # impulse over slip: no direction is needed, so that zero slip is no special case
-    sticking = m_t * (1.0 + b0)
-    sliding = np.divide(mu * J_n, speed, out=np.full(speed.shape, np.inf), where=speed > 0.0)
-    drag = np.minimum(sliding, sticking)
+    drag, rubbed = _friction(slip, mu * J_n, m_r if spinning is None else ROLLING * m_r, b0)
     impulse = J_n[..., None] * n + drag[..., None] * slip
-    rubbed = drag * speed**2 * (1.0 - np.divide(drag, 2.0 * m_t, out=np.zeros_like(drag), where=m_t > 0.0))
     turned1 = turned2 = None
     if spinning is not None:
         torque = np.cross(n, impulse)
@@ -199,6 +193,18 @@ def _dot(a: Array, b: Array) -> Array:
 def _over(vector: Array, number: Array) -> Array:
     """vector / number; 0 where the number is infinite."""
     return vector * (1.0 / number)[..., None]
+
+
+def _friction(slip: Array, most: Array, m_t: Array, b0: Array) -> tuple[Array, Array]:
+    """Impulse over slip (kg), at most `most` (N s) in all, and the loss (J).
+
+    Over the slip, because no direction is needed then, and zero slip is no special case.
+    """
+    speed = np.linalg.norm(slip, axis=-1)
+    sliding = np.divide(most, speed, out=np.full(speed.shape, np.inf), where=speed > 0.0)
+    drag = np.minimum(sliding, m_t * (1.0 + b0))
+    share = np.divide(drag, 2.0 * m_t, out=np.zeros_like(drag), where=m_t > 0.0)
+    return drag, drag * speed**2 * (1.0 - share)
 
 
 def _turning(first: Bodies, second: Bodies) -> tuple[tuple[Array, Array], tuple[Array, Array]] | None:
