@@ -82,7 +82,7 @@ def collision_claims() -> tuple[Erratum, ...]:
         Erratum("text, Fig. 8", "dissipation falls as e rises, 7 grains, v1 given (e = 0.45 over 0.25)", "below 1",
                 "rises first, most near e = 0.55", None, seven[1] / seven[0], "", _falls(seven)),
         Erratum("text, Fig. 8", "dissipation falls as e rises, 37 grains struck at V, e0 = e (e = 0.85 over 0.25)",
-                "below 1", "rises throughout", None, driven[3] / driven[0], "", _falls(driven)),
+                "below 1", "rises up to e = 0.9", None, driven[3] / driven[0], "", _falls(driven)),
     )  # fmt: skip
 
 
