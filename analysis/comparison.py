@@ -11,7 +11,7 @@ from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
-from analysis.offset import Actual, offset_terms
+from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, propagated
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
@@ -75,7 +75,10 @@ def agreement(
         "waveform": "ideal" if ideal else "measured",
         "conditions": [
             _row(result, empties)
-            | {"offset_terms": offset_terms(result, entries.get(result.setting.id), channels, actual)}
+            | {
+                "offset_terms": offset_terms(result, entries.get(result.setting.id), channels, actual),
+                "allowed_remainder": allowed_remainder(result),
+            }
             for result in results
         ],
         "agreement": _agreement(results),

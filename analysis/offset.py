@@ -20,8 +20,9 @@ from typing import Any
 from analysis.conditions import DISSIPATED, Result
 from analysis.prediction import Curve
 from analysis.runs import ChannelFacts, RunEnergy, Truth
+from analysis.uncertainty import resolution_lines
 
-__all__ = ["EXACT", "LARGEST_REMAINDER", "TERMS", "Actual", "actual_of", "offset_terms"]
+__all__ = ["EXACT", "LARGEST_REMAINDER", "TERMS", "Actual", "actual_of", "allowed_remainder", "offset_terms"]
 
 TERMS = ("noise", "air", "gas", "mount", "waveform", "phase", "scale", "refill", "remainder")
 LARGEST_REMAINDER = 2e-3  # of W_T, in conditions that stand out of the detection limit
@@ -72,6 +73,17 @@ def offset_terms(
     if len(known) < len(runs):
         return None
     return {name: math.fsum(terms[name] for terms in known) / len(known) / result.W_T.value for name in TERMS}
+
+
+def allowed_remainder(result: Result) -> float | None:
+    """Largest remainder of a condition, as a fraction of W_T, that leaves nothing to explain: `LARGEST_REMAINDER`, or
+    where W_T is small the instruments' noise and the arithmetic (k = 2). None without W_T."""
+    if result.W_T is None or not result.W_T.value > 0:
+        return None
+    n = len(result.runs)
+    noise = math.sqrt(math.fsum(run.u_noise**2 for run in result.runs)) / n
+    resolution = [line.part for line in resolution_lines(result.W_exp.value, result.mean("reactive"))]
+    return max(LARGEST_REMAINDER, 2 * math.hypot(noise, *resolution) / result.W_T.value)
 
 
 def _of_run(

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from analysis.offset import LARGEST_REMAINDER, TERMS
+from analysis.offset import TERMS
 from analysis.report.cells import UNKNOWN, Cell, Table, number, significant
 
 __all__ = ["causes", "offset_terms"]
@@ -20,15 +20,15 @@ def offset_terms(report: Report) -> Table:
         (Cell(row["id"]), _percent(row["offset"]), *(_percent(row["offset_terms"][name]) for name in TERMS))
         for row in told
     )
-    worst = max(told, key=lambda row: abs(row["offset_terms"]["remainder"]))
-    remainder = abs(worst["offset_terms"]["remainder"])
-    within = "within" if remainder <= LARGEST_REMAINDER else "beyond"
+    worst = max(told, key=lambda row: abs(row["offset_terms"]["remainder"]) / row["allowed_remainder"])
+    remainder, allowed = abs(worst["offset_terms"]["remainder"]), worst["allowed_remainder"]
+    within = "within" if remainder <= allowed else "beyond"
     note = (
         "Percent of W_T, from the rig's own ledger and the true state of its instruments; the terms add up to the "
         "offset. noise, air, gas and mount are losses outside the grains; phase and scale are the instruments; refill "
         "is what the poured bed took beyond W_T at the level reached, the waveform's share included where no ablation "
-        f"parts them. The largest remainder, {significant(100 * remainder, 2)} % in {worst['id']}, is {within} the "
-        f"{significant(100 * LARGEST_REMAINDER, 1)} % that are allowed."
+        f"parts them. The remainder nearest to its limit, {significant(100 * remainder, 2)} % in {worst['id']}, is "
+        f"{within} the {significant(100 * allowed, 2)} % that are allowed there."
     )
     return Table(title, note, head, rows)
 

@@ -89,7 +89,7 @@ def test_real_instruments_leave_no_remainder(rows: Callable[..., Rows]) -> None:
         terms = row["offset_terms"]
         assert tuple(terms) == TERMS
         assert math.fsum(terms.values()) == pytest.approx(row["offset"], abs=1e-12)
-        assert abs(terms["remainder"]) < LARGEST_REMAINDER
+        assert abs(terms["remainder"]) < LARGEST_REMAINDER == row["allowed_remainder"]
         assert terms["scale"] != 0.0
 
 
