@@ -1,5 +1,6 @@
 """Commands over `rig.campaign`, one function each; exit 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -65,6 +66,12 @@ def run(
     seed: Seed = None,
     rig: RigFile = None,
     strict: Strict = False,
+    ablate: Annotated[
+        bool,
+        typer.Option(
+            "--ablate", help="Simulate each bed a second time in the exact waveform: `waveform` in the offset."
+        ),
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
     set_: Sets = None,
     vary: Varies = None,
@@ -78,6 +85,7 @@ def run(
 
     campaign = _campaign(protocol, set_, vary, seed, rig)
     folder = out if out is not None else Path("sessions") / campaign.protocol.name
+    campaign = replace(campaign, ablate=ablate)
     raise typer.Exit(run_protocol(campaign, folder, workers, _speed(speed), resume, force, strict, json))
 
 
