@@ -23,9 +23,12 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
     rate = campaign.lengths[campaign.conditions[0].id].rate
-    mistake = told(protocol.mistake, campaign.rig, rate)
-    if mistake is not None:
-        facts = [{**fact, "mistake": mistake} for fact in facts]
+    if protocol.mistake.kind is not None:
+        rates = [campaign.lengths[c.id].rate for c in campaign.conditions]
+        facts = [
+            {**fact, "mistake": told(protocol.mistake, campaign.rig, own)}
+            for fact, own in zip(facts, rates, strict=True)
+        ]
     return SessionPlan(
         rate=rate,
         channels=tools.table(rate, FILTER_DELAY),

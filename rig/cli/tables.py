@@ -73,6 +73,8 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
             f"(mean offset {percent(agreement['mean_offset'])} over {agreement['n']} conditions)"
         )
     console.print(f"tests: {report['tests']}; waveform: {report['waveform']} (ideal waveform assumed in servo drive)")
+    for sentence in mistake_sentences(report):
+        console.print(f"\n{sentence}", soft_wrap=True)
     console.print(f"verdict: {report['verdict']}")
     for reason in report["reasons"]:
         console.print(f"  {reason}")

@@ -13,6 +13,7 @@ from rig.catalog.shelves import sensors_for
 from rig.catalog.writer import write_text, write_yaml
 from rig.errors import InputError
 from rig.expect import KINDS
+from rig.practice import BadPractice
 from rig.protocol import dump_protocol, load_protocol, protocol_template
 from rig.scene import (
     BUILT_BEDS,
@@ -135,6 +136,14 @@ def claims(draw: st.DrawFn) -> Expect:
     return Expect(**parts)
 
 
+mistakes = st.one_of(
+    st.just(BadPractice()),
+    st.builds(BadPractice, corners=st.floats(-0.9, 10)),
+    st.builds(BadPractice, skew=st.integers(1, 1000)),
+    st.builds(BadPractice, clock=st.floats(1e-9, 1000)),
+    st.builds(BadPractice, offset=st.floats(-1, 1)),
+    st.builds(BadPractice, coil=st.booleans()),
+)
 protocols = st.builds(
     Protocol,
     name=st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", fullmatch=True).map(str.strip),
@@ -146,6 +155,7 @@ protocols = st.builds(
     repeats=st.builds(Repeats, st.integers(1, 100), st.booleans()),
     seed=st.integers(0, 2**63 - 1),
     expect=st.lists(claims(), max_size=3).map(tuple),
+    mistake=mistakes,
 )
 quick = settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 
