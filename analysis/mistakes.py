@@ -39,18 +39,19 @@ class Words:
 
 
 ANGLE = "error = dphi/eta"
+NOTHING = 1e-9  # loss factor of round-off: below it nothing was dissipated that an error could refer to
 WORDS: Mapping[str, Words] = {
     "pole": Words(
         "the accelerometer's true time constant is {value:g} times the certified one, by which the record is corrected",
         f"{ANGLE}, dphi = atan(1/(w tau)) - atan(1/(w tau_certified))",
-        "the angle between the channels in the locked bed, growing as a^2 and as 1/frequency",
+        "the locked bed's angle, larger at lower frequencies",
     ),
     "corners": Words(
         "both channels are AC coupled at 0.5 Hz and nobody wrote it down; the acceleration's corner lies {percent:g} % "
         "above the force's",
         f"{ANGLE}, dphi = atan(f_acceleration/f) - atan(f_force/f), less (f_force^2 + f_acceleration^2)/(2 f^2) for "
         "the amplitude that the coupling takes",
-        "the angle between the channels in the locked bed, growing as a^2 and as 1/frequency",
+        "the locked bed's angle, larger at lower frequencies",
     ),
     "cycles": Words(
         "W is read over {value:g} cycles instead of whole ones",
@@ -58,9 +59,9 @@ WORDS: Mapping[str, Words] = {
         "W_exp against W_phasor, which stays right: on whole cycles the two are equal; the locked bed's angle",
     ),
     "skew": Words(
-        "the acceleration channel comes {value:g} sample late",
+        "the acceleration channel comes {value:g} sample{plural} late",
         f"{ANGLE}, dphi = -w delay",
-        "the angle between the channels in the locked bed, growing as the frequency",
+        "the locked bed's angle, growing with the frequency",
     ),
     "clock": Words(
         "the acceleration channel runs on a clock of its own, {value:g} ppm fast",
@@ -123,7 +124,7 @@ def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
     return {
         "kind": kind,
         "parameter": value,
-        "what": words.what.format(value=value, percent=100 * value),
+        "what": words.what.format(value=value, percent=100 * value, plural="s" * (value > 1)),
         "rule": words.rule,
         "notice": words.notice,
         "conditions": [
@@ -138,7 +139,7 @@ def _row(result: Result, mistake: Mapping[str, Any], channels: Mapping[str, Chan
     true = _true(result, str(mistake["kind"]))
     if true is not None:
         row["W_true"] = true
-    if true:
+    if true is not None and true > NOTHING * abs(result.mean("reactive")):
         eta = true / result.mean("reactive")
         error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
         row |= {"eta": eta, "error": error, "predicted": predicted, "ratio": error / predicted if predicted else None}
