@@ -35,11 +35,11 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         runs=tuple(_run_plan(campaign, run, created) for run in campaign.runs),
         conditions=tuple(facts),
         protocol_text=campaign.text,
-        protocol={"name": protocol.name, "question": protocol.question, "resolved": dump_protocol(protocol),
+        protocol={"name": protocol.name, "question": protocol.question, **identity(campaign)["protocol"],
                   "expect": cases(protocol, campaign.conditions)},
         documents={
             "prediction": prediction_document(found),
-            "rig": {"name": campaign.rig.name, "resolved": dump_rig(campaign.rig),
+            "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
                     "provenance": dict(campaign.rig.provenance),
                     "values": [*(asdict(value) for value in campaign.rig.values),
                                *assumed_settings(campaign.conditions)]},
@@ -55,9 +55,12 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     )  # fmt: skip
 
 
-def identity(campaign: Campaign) -> dict[str, dict[str, str]]:
+def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:
     """What makes a session this campaign's, by document and key: protocol with its seed, and rig, written out."""
-    return {"protocol": {"resolved": dump_protocol(campaign.protocol)}, "rig": {"resolved": dump_rig(campaign.rig)}}
+    return {
+        "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate},
+        "rig": {"resolved": dump_rig(campaign.rig)},
+    }
 
 
 def _run_plan(campaign: Campaign, run: Run, created: str) -> RunPlan:
