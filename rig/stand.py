@@ -18,7 +18,8 @@ from rig.scene import Cavity, Scene
 
 Array = NDArray[np.float64]
 
-CHUNK_CYCLES = 4
+CHUNK_CYCLES = 2
+"""Cycles simulated at a time: few enough that the sums over their sampling edges stay in the second-level cache."""
 
 
 def box_mass(cavity: Cavity, wall_density: float) -> float:

@@ -22,7 +22,7 @@ from rig.model import closed, predict
 from rig.scene import Condition
 from rig.stand import Stand
 
-AHEAD = 3
+AHEAD = 8
 """Chunks of cycles simulated of each condition: the last one stands for the steady state."""
 
 POURINGS = 8

@@ -1,5 +1,6 @@
 """Commands over `rig.campaign`, one function each; exit 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
 
+import gc
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -238,5 +239,6 @@ def _speed(text: str) -> float | None:
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line; the collector of cycles looks in less often than it would during the heavy imports."""
+    gc.set_threshold(100_000)
     app()
