@@ -84,7 +84,7 @@ def _box(scene: Scene) -> Iterator[Conflict]:
     cavity, grains = scene.cavity, scene.grains
     smallest = min(cavity.length, cavity.width, cavity.height)
     cavity_paths = ("scene.cavity.length", "scene.cavity.width", "scene.cavity.height")
-    if grains.diameter > smallest:
+    if grains.diameter >= smallest:
         found = f"grains of {grains.diameter:g} m in a cavity of {smallest:g} m"
         yield Conflict(("scene.grains.diameter", *cavity_paths), found, "grains smaller than the cavity")
         return

@@ -115,6 +115,8 @@ def format_quantity(value: float, dimension: str) -> str:
 
 def suggest_unit(value: float, quantity: Quantity) -> str:
     """A hint where a plain number out of range makes sense in another unit: 150 m, "did you mean 150 mm?"."""
+    if quantity.dimension == "number" and quantity.most > 1:
+        return ""  # a count or a coefficient: per cent of it are no help
     for unit, scale in UNITS[quantity.dimension].items():
         if scale < 1 and math.isfinite(value) and quantity.holds(value * float(scale)):
             plain = f"{value:g} is {_short(value, quantity.dimension)}; " if unit_of(quantity.dimension) else ""
