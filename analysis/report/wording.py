@@ -16,6 +16,8 @@ def tested(report: Report) -> str:
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
     if report["tests"] == "chain":
+        if not any(row["W_T"] for row in report["conditions"]):
+            return f"This run checks the measurement chain: nothing is predicted for the {word} {listed}."
         return (
             f"This run checks the measurement chain, not the damper model: the {word} {listed} and the prediction W_T "
             "share one mechanism."
