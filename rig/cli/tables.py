@@ -75,6 +75,9 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
     console.print(f"tests: {report['tests']}; waveform: {report['waveform']} (ideal waveform assumed in servo drive)")
     for sentence in mistake_sentences(report):
         console.print(f"\n{sentence}", soft_wrap=True)
+    for flag in report["flags"]:
+        worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"
+        console.print(f"warning: {flag['flag']} in {len(flag['runs'])} runs{worst}")
     console.print(f"verdict: {report['verdict']}")
     for reason in report["reasons"]:
         console.print(f"  {reason}")

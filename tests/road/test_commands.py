@@ -59,6 +59,8 @@ def test_check_warns_and_strict_refuses(rig_command: Rig, small: Path, tmp_path:
     assert refused.returncode == 2
     assert "exciter force" in refused.stderr
     assert not (tmp_path / "o").exists()
+    warned = rig_command("run", small, *beyond, "--out", tmp_path / "w", *COMMON)
+    assert "warning: over_force in 2 runs" in warned.stdout
     flagged = rig_command("run", small, *beyond, "--out", tmp_path / "p", "--json", *COMMON)
     flags = [flag for c in json.loads(flagged.stdout)["conditions"] for r in c["runs"] for flag in r["flags"]]
     assert any("force" in flag for flag in flags)
