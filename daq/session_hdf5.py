@@ -13,7 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 import numpy.typing as npt
-from h5py import h5a, h5d, h5g, h5l, h5p, h5s, h5t  # type: ignore[attr-defined, unused-ignore]
+from h5py import h5a, h5d, h5g, h5l, h5o, h5p, h5s, h5t  # type: ignore[attr-defined, unused-ignore]
 
 from daq.hdf5_flags import marked_open
 
@@ -23,6 +23,8 @@ __all__ = [
     "dataset",
     "group",
     "has",
+    "is_text",
+    "members",
     "open_file",
     "open_for_reading",
     "read_attributes",
@@ -103,6 +105,22 @@ def has(file: Any, path: str) -> bool:
         except (RuntimeError, KeyError):
             return False
     return True
+
+
+def members(file: Any, path: str) -> tuple[str, ...]:
+    """Names in the group at `path`, sorted; KeyError where there is none."""
+    if not has(file, path):
+        raise KeyError(f"{path} is missing")
+    return tuple(sorted(str(name) for name in file[path]))
+
+
+def is_text(file: Any, path: str) -> bool:
+    """Whether a scalar text dataset lies at `path` itself, not behind a soft or external link."""
+    if not has(file, path) or h5o.get_info(file.id, path.encode()).type != h5o.TYPE_DATASET:
+        return False
+    found = dataset(file, path)
+    kind, space = found.get_type().get_class(), found.get_space().get_simple_extent_type()
+    return bool(kind == h5t.STRING and space == h5s.SCALAR)
 
 
 def dataset(file: Any, path: str) -> Any:

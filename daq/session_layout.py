@@ -8,9 +8,10 @@ from daq.channel import ChannelInfo
 from daq.session_hdf5 import array, attributes, group, text
 from daq.session_plan import CHUNK, RunPlan, SessionError, SessionPlan, block_dtype, status_dtype
 
-__all__ = ["build_session"]
+__all__ = ["OWN_NAMES", "ROOT_NAMES", "build_session"]
 
 OWN_NAMES = frozenset({"protocol", "conditions", "runs", "scalars", "protocol_text", "status", "channels", "truth"})
+ROOT_NAMES = frozenset({"NX_class", "default", "schema", "synthetic"})
 
 
 def build_session(file: Any, plan: SessionPlan) -> None:

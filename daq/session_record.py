@@ -13,7 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.channel import ChannelInfo
-from daq.session_hdf5 import dataset, has, open_for_reading, read_attributes, read_rows, read_text
+from daq.session_hdf5 import (
+    dataset,
+    has,
+    is_text,
+    members,
+    open_for_reading,
+    read_attributes,
+    read_rows,
+    read_text,
+)
 from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, run_info, status_dtype
 
 __all__ = ["Record", "Truth", "open_session"]
@@ -93,6 +102,11 @@ class Record:
         return run_info(self._plans[name], status)
 
     @property
+    def plans(self) -> tuple[RunPlan, ...]:
+        """What was planned of every run, in the order of the plan."""
+        return tuple(self._plans.values())
+
+    @property
     def complete(self) -> bool:
         """Whether every run is complete."""
         return all(run.complete for run in self.runs)
@@ -133,6 +147,11 @@ class Record:
         """What only a simulation can know; None for records without it."""
         with self.readable():
             return Truth(self) if has(self._file, "session/truth") else None
+
+    @property
+    def documents(self) -> tuple[str, ...]:
+        """Names of the session's JSON documents."""
+        return tuple(name for name in self.texts("session") if name != "protocol_text")
 
     def document(self, name: str) -> Any:
         """The JSON value of a session document ("prediction", "rig", "protocol"...), None where there is none."""
@@ -179,6 +198,11 @@ class Record:
         """Attributes of a group or dataset of the session."""
         with self.readable():
             return read_attributes(self._file, path)
+
+    def texts(self, path: str) -> tuple[str, ...]:
+        """Names of the datasets in a group, sorted, that hold text; "" for none."""
+        with self.readable():
+            return tuple(name for name in members(self._file, path) if is_text(self._file, f"{path}/{name}"))
 
     def json_or_none(self, path: str) -> Any:
         """The JSON value of the text dataset at `path`, None where there is none."""
@@ -228,6 +252,11 @@ class Truth:
 
     def __init__(self, record: Record) -> None:
         self._record = record
+
+    @property
+    def documents(self) -> tuple[str, ...]:
+        """Names of the truth documents."""
+        return self._record.texts("session/truth")
 
     def ledger(self, run: str) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
         """Column names and the ledger, (cycles, columns), J per cycle counted from drive time 0."""

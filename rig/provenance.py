@@ -20,11 +20,23 @@ def now() -> str:
 def provenance(protocol_text: str, seed: int, rig_time: float) -> dict[str, Any]:
     """What a session states about its making; none of it goes into the report, so that equal runs give equal bytes."""
     return {
-        "created": now(),
+        **_making(),
         "protocol_sha256": hashlib.sha256(protocol_text.encode()).hexdigest(),
         "seed": seed,
         "seeds": "numpy SFC64 over SeedSequence(seed, SHA-256 of the stream's words); see docs/conventions.md",
         "rig_time_s": rig_time,
+    }
+
+
+def replay_provenance(speed: float | None) -> dict[str, Any]:
+    """What a replayed session adds to the provenance of the one it was made from. speed: None for max."""
+    return {**_making(), "speed": "max" if speed is None else speed}
+
+
+def _making() -> dict[str, Any]:
+    """When, by which command, on what."""
+    return {
+        "created": now(),
         "command": " ".join(sys.argv),
         "platform": platform.platform(),
         "python": platform.python_version(),

@@ -1,6 +1,8 @@
 """The composition root, the only place that sees all three packages."""
 
-from rig.campaign.running import Progress, run
+from rig.campaign.recording import Progress
+from rig.campaign.replaying import replay
+from rig.campaign.running import run
 from rig.campaign.setup import Campaign
 
-__all__ = ["Campaign", "Progress", "run"]
+__all__ = ["Campaign", "Progress", "replay", "run"]

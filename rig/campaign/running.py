@@ -4,29 +4,17 @@ The calling thread writes what the workers compute and analyses each run as soon
 not grow with the length of a record and nothing depends on the number of workers.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from analysis import RunEnergy, read_session, run_energy, write_report
+from analysis import read_session, write_report
 from daq.session import Recorder, open_session
+from rig.campaign.recording import Watch, record_parts
 from rig.campaign.session import identity, session_plan
-from rig.campaign.setup import Campaign, Part
+from rig.campaign.setup import Campaign
 from rig.campaign.workers import workers as started
 from rig.errors import InputError, Mistake
-from rig.plan import Run
-
-
-@dataclass(frozen=True)
-class Progress:
-    """A run has been recorded and analysed, `done` of `total`."""
-
-    run: Run
-    done: int
-    total: int
-    energy: RunEnergy
 
 
 def run(
@@ -36,7 +24,7 @@ def run(
     speed: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
-    progress: Callable[[Progress], None] = lambda _: None,
+    progress: Watch = lambda _: None,
 ) -> dict[str, Any]:
     """The main job: run a campaign into `out`/session.h5 and write its report there; returns the report.
 
@@ -55,7 +43,7 @@ def run(
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
         with recorder:
-            energies = _record(campaign, recorder, parts, progress)
+            energies = record_parts(recorder, parts, progress)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
@@ -83,26 +71,3 @@ def _differs(path: Path, what: str, old: object, new: object) -> Mistake:
         f"a session recorded with {before.strip()!r}, asked to go on with {after.strip()!r}",
         "the protocol, seed and rig that it was started with, or --force to start anew",
     )
-
-
-def _record(
-    campaign: Campaign, recorder: Recorder, parts: Iterable[Part], progress: Callable[[Progress], None]
-) -> dict[str, RunEnergy]:
-    """Write what the workers compute; energies by run name, as read back from the record."""
-    energies: dict[str, RunEnergy] = {}
-    cycles: dict[str, int] = {}
-    record = recorder.record()
-    before = len(recorder.completed())
-    for part in parts:
-        name = part.run.name
-        recorder.append(name, part.block)
-        acquire = part.run.condition.acquire
-        first = cycles.get(name, 0)
-        wanted = part.ledger[: max(acquire.settle + acquire.record - first, 0)]
-        recorder.write_ledger(name, first, wanted)
-        cycles[name] = first + len(wanted)
-        if part.demand is not None:
-            recorder.finish(name, part.demand.scalars())
-            energies[name] = run_energy(record, name)
-            progress(Progress(part.run, before + len(energies), len(campaign.runs), energies[name]))
-    return energies

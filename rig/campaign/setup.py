@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from analysis.offset import EXACT
 from daq.acquisition import Emulated
-from daq.block import Block
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY, FrontEnd
 from daq.seeds import stream
@@ -16,6 +15,7 @@ from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.practice import seen, spoiled
+from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
@@ -27,16 +27,6 @@ from rig.stand import Stand
 
 PASS_BAND = 0.45
 """Recorded band over the output rate: the anti-alias filter's pass band."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """What a worker hands the writer: a block of a run, with the ledger rows of the cycles simulated since the last."""
-
-    run: Run
-    block: Block
-    ledger: NDArray[np.float64]
-    demand: Demand | None = None
 
 
 @dataclass(frozen=True)
@@ -106,10 +96,13 @@ class Campaign:
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
         source = seen(stand, self.protocol.mistake, run.condition, self.rig, stand.motion)
         acquisition = Emulated(Transduced(source, tools.states), front)
+        wanted = run.condition.acquire.settle + run.condition.acquire.record
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)
             last = number == len(size.blocks) - 1
-            yield Part(run, block, self._ledger(run, stand), self.demand(run, stand) if last else None)
+            rows = self._ledger(run, stand)[:wanted]
+            wanted -= len(rows)
+            yield Part(run.name, block, rows, self.demand(run, stand).scalars() if last else None)
 
     def _ledger(self, run: Run, stand: Stand) -> NDArray[np.float64]:
         rows = stand.drain_ledger()

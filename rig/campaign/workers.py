@@ -14,7 +14,8 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from daq.clock import Overrun, Pacer
-from rig.campaign.setup import Campaign, Part
+from rig.campaign.recording import Part
+from rig.campaign.setup import Campaign
 from rig.errors import InputError
 from rig.plan import Run
 

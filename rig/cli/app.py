@@ -129,6 +129,25 @@ def model(
 
 
 @app.command()
+def replay(
+    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
+    speed: Annotated[str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")] = "max",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a second session and its report there.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    json: Json = False,
+) -> None:
+    """Feed a recorded session through recorder, analysis and report again: same codes, same report.
+
+    Example: rig replay sessions/fill_rate --speed 10 --out sessions/again
+    """
+    from rig.cli.replay import replay_session
+
+    raise typer.Exit(replay_session(session, out, _speed(speed), force, json))
+
+
+@app.command()
 def report(
     session: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")],
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Report folder; default: the session's.")] = None,

@@ -1,7 +1,8 @@
 """The live view of a running campaign: a bar with time left, and a table that fills as runs are analysed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 from rich.console import Console, Group
 from rich.live import Live
@@ -16,26 +17,46 @@ LINES = 12
 """Conditions shown at a time: those that changed last."""
 
 
-class LiveView:
-    """Takes the campaign's progress; draws on a terminal, elsewhere says one line for every tenth of the runs."""
+@dataclass(frozen=True)
+class Line:
+    """What the view says of a condition (SI), and how many runs it has."""
 
-    def __init__(self, campaign: Campaign, console: Console) -> None:
+    bed: str
+    fill: float
+    diameter: float
+    acceleration: float
+    runs: int
+
+
+def lines_of(campaign: Campaign) -> dict[str, Line]:
+    """The conditions of a campaign."""
+    repeats = campaign.protocol.repeats.n
+    return {
+        c.id: Line(c.scene.bed, c.scene.grains.fill, c.scene.grains.diameter, c.drive.acceleration, repeats)
+        for c in campaign.conditions
+    }
+
+
+class LiveView:
+    """Takes a campaign's progress; draws on a terminal, elsewhere says one line for every tenth of the runs."""
+
+    def __init__(self, lines: Mapping[str, Line], console: Console) -> None:
         self._console = console
         self._sums: dict[str, list[float]] = {}
         self._flags: dict[str, set[str]] = {}
-        self._conditions = {c.id: c for c in campaign.conditions}
-        self._repeats = campaign.protocol.repeats.n
+        self._lines = lines
         self._bar = Progress(
             TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"),
             TimeRemainingColumn(), console=console,
         )  # fmt: skip
-        self._task = self._bar.add_task("runs", total=len(campaign.runs))
+        self._task = self._bar.add_task("runs", total=sum(line.runs for line in lines.values()))
 
     def step(self, step: Step) -> None:
         """A run is done."""
-        self._sums.setdefault(step.run.condition.id, []).append(step.energy.energy.W)
-        self._sums[step.run.condition.id] = self._sums.pop(step.run.condition.id)
-        self._flags.setdefault(step.run.condition.id, set()).update(step.energy.flags)
+        found = self._sums.pop(step.condition, [])
+        self._sums[step.condition] = found if step.energy is None else [*found, step.energy.energy.W]
+        flags = ("unusable",) if step.energy is None else step.energy.flags
+        self._flags.setdefault(step.condition, set()).update(flags)
         self._bar.update(self._task, completed=step.done)
         if not self._console.is_terminal and (10 * step.done) // step.total != (10 * (step.done - 1)) // step.total:
             self._console.print(f"{step.done} of {step.total} runs")
@@ -45,20 +66,19 @@ class LiveView:
         for name in ("condition", "bed", "fill", "d", "a", "runs", "W_exp", "flags"):
             table.add_column(name, justify="left" if name in ("condition", "bed", "flags") else "right")
         for key in list(self._sums)[-LINES:]:
-            scene, drive = self._conditions[key].scene, self._conditions[key].drive
-            found = self._sums[key]
+            line, found = self._lines[key], self._sums[key]
             table.add_row(
-                key, scene.bed, f"{scene.grains.fill:.0%}", f"{scene.grains.diameter * 1e3:g} mm",
-                f"{drive.acceleration:g} m/s2", f"{len(found)}/{self._repeats}",
-                f"{number(sum(found) / len(found))} J", " ".join(sorted(self._flags[key])),
+                key, line.bed, f"{line.fill:.0%}", f"{line.diameter * 1e3:g} mm", f"{line.acceleration:g} m/s2",
+                f"{len(found)}/{line.runs}", f"{number(sum(found) / len(found))} J" if found else "-",
+                " ".join(sorted(self._flags[key])),
             )  # fmt: skip
         return Group(self._bar, table)
 
 
 @contextmanager
-def live_view(campaign: Campaign, console: Console) -> Iterator[LiveView]:
+def live_view(lines: Mapping[str, Line], console: Console) -> Iterator[LiveView]:
     """A view that is drawn while the block runs."""
-    view = LiveView(campaign, console)
+    view = LiveView(lines, console)
     if console.is_terminal:
         with Live(view, console=console, refresh_per_second=4, transient=True):
             yield view

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rig.campaign import Campaign
 from rig.campaign import run as run_campaign
-from rig.cli.live import live_view
+from rig.cli.live import lines_of, live_view
 from rig.cli.output import PASSES, cores, print_json, print_result
 from rig.cli.tables import terminal
 from rig.errors import InputError, Mistake
@@ -16,12 +16,12 @@ def run_protocol(
     as_json: bool,
 ) -> int:  # fmt: skip
     """`rig run`: 0 where the verdict passes, 1 where it does not."""
-    _check_folder(out, resume, force)
+    check_folder(out, resume, force)
     count = workers or cores()
     console = terminal(stderr=True, quiet=as_json)
     if strict:
         _refuse_beyond(campaign, count)
-    with live_view(campaign, console) as view:
+    with live_view(lines_of(campaign), console) as view:
         report = run_campaign(campaign, out, count, speed, resume, force, view.step)
     if as_json:
         print_json(report)
@@ -43,7 +43,7 @@ def _refuse_beyond(campaign: Campaign, workers: int) -> None:
         raise InputError(*mistakes)
 
 
-def _check_folder(out: Path, resume: bool, force: bool) -> None:
+def check_folder(out: Path, resume: bool, force: bool) -> None:
     """Refuse a session that is there already, or a folder that cannot be written, before anything is computed."""
     if (out / "session.h5").exists() and not (resume or force):
         raise InputError(

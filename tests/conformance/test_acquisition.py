@@ -1,6 +1,11 @@
 """What every acquisition must do, whatever stands behind it. A new implementation joins by one line in MAKERS."""
 
+import atexit
+import shutil
+import tempfile
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,9 +14,11 @@ from hypothesis import strategies as st
 
 from daq.acquisition import Acquisition, Emulated
 from daq.block import Block, Flag
-from daq.channel import AnalyzerSpec, Channel, TransducerSpec, draw_state
+from daq.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info, draw_state
 from daq.frontend import FrontEnd
+from daq.replay import Replayed
 from daq.seeds import stream
+from daq.session import Record, Recorder, RunPlan, SessionPlan, open_session
 from daq.transducer import Transduced
 
 RATE = 10240.0
@@ -52,7 +59,32 @@ def emulated() -> Emulated:
     return Emulated(Transduced(Shaking(), states), FrontEnd(ANALYZER, CHANNELS, states, RATE, noise))
 
 
-MAKERS = {"emulated": emulated}
+PIECES = [50] * 20 + [4096] * 12
+"""Sizes of the recorded blocks: small ones where the settling ends, then larger ones, 50152 samples in all."""
+
+
+@cache
+def recorded() -> Record:
+    """The emulated acquisition, recorded in PIECES."""
+    acquisition = emulated()
+    table = tuple(channel_info(channel, ANALYZER, RATE, 38.9375) for channel in CHANNELS)
+    run = RunPlan("run_0001", "c01", 1, 1, sum(PIECES), 0, len(PIECES))
+    path = Path(tempfile.mkdtemp()) / "session.h5"
+    with Recorder.create(path, SessionPlan(RATE, table, (run,), ({"id": "c01"},), "", {})) as recorder:
+        for size in PIECES:
+            recorder.append("run_0001", acquisition.read(size))
+        recorder.finish("run_0001", {})
+    record = open_session(path)
+    atexit.register(shutil.rmtree, path.parent)
+    atexit.register(record.close)
+    return record
+
+
+def replayed() -> Replayed:
+    return Replayed(recorded(), "run_0001")
+
+
+MAKERS = {"emulated": emulated, "replayed": replayed}
 
 
 @pytest.fixture(params=MAKERS.values(), ids=MAKERS.keys())

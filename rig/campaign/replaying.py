@@ -1,0 +1,64 @@
+"""A recorded session once more: its blocks take the road of `run`, from the acquisition to the report."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis import read_session, write_report
+from daq.clock import Pacer
+from daq.replay import Replayed
+from daq.session import Record, Recorder, open_session
+from daq.session_copy import plan_of
+from rig.campaign.recording import Analysis, Part, Watch, record_parts
+from rig.provenance import replay_provenance
+
+
+def replay(
+    session: Path,
+    out: Path | None = None,
+    speed: float | None = None,
+    overwrite: bool = False,
+    progress: Watch = lambda _: None,
+) -> dict[str, Any]:
+    """Feed a session's blocks through recorder and analysis; returns the report.
+
+    With `out`, a second session and its report are written there: the same codes and the same report, byte for byte.
+    Predictions and truth are those of the session. `speed` is rig seconds per wall second (None: as fast as possible).
+    """
+    with open_session(session) as record:
+        parts = recorded(record, speed)
+        if out is None:
+            analysis = Analysis(record, progress, done=0)
+            for part in parts:
+                if part.scalars is not None:
+                    analysis.add(part.run)
+            return read_session(record, analysis.energies)
+        plan = plan_of(record, replay=replay_provenance(speed))
+        out.mkdir(parents=True, exist_ok=True)
+        with Recorder.create(out / "session.h5", plan, overwrite) as recorder:
+            energies = record_parts(recorder, parts, progress)
+            report = read_session(recorder.record(), energies)
+    write_report(report, out)
+    return report
+
+
+def recorded(record: Record, speed: float | None) -> Iterator[Part]:
+    """The parts of a record, runs in their order of execution, paced; of an incomplete run, what there is."""
+    for info in sorted(record.runs, key=lambda run: run.order):
+        acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
+        rows = _ledger(record, info.name)
+        for samples in acquisition.sizes:
+            block = acquisition.read(samples)
+            pacer.wait(block.start + block.count)
+            last = info.complete and block.start + block.count == info.samples
+            yield Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+            rows = rows[:0]
+
+
+def _ledger(record: Record, run: str) -> NDArray[np.float64]:
+    if record.truth is None or not record.ledger_columns:
+        return np.empty((0, 0))
+    return record.truth.ledger(run)[1]
