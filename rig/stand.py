@@ -1,6 +1,7 @@
 """The stand: scene, bed, drive and losses become force and acceleration at the transducers, chunk by chunk."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,41 @@ def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
 
 
 @dataclass(frozen=True)
+class Chunk:
+    """Some whole cycles of the stand: force and acceleration, shape (2, intervals), and rows of the ledger."""
+
+    means: Array
+    ledger: Array
+
+
+@dataclass
+class Replay:
+    """The chunks of a stand that repeats itself: the first period of them, then handed out again in turn."""
+
+    _wanted: int = 0
+    _kept: list[Chunk] = field(default_factory=list)
+    _turn: int = 0
+
+    def note(self, chunk: Chunk, repeats: int) -> None:
+        """Look at a simulated chunk; `repeats` is the period in cycles of everything from it on, 0 for none.
+
+        The first such chunk is not kept: it begins with the step from the momentum before the repetition.
+        """
+        if self._wanted:
+            self._kept.append(chunk)
+        elif repeats:
+            self._wanted = math.lcm(repeats, CHUNK_CYCLES) // CHUNK_CYCLES
+
+    def next(self) -> Chunk | None:
+        """The next chunk, None while it has to be simulated."""
+        if not self._wanted or len(self._kept) < self._wanted:
+            return None
+        chunk = self._kept[self._turn % self._wanted]
+        self._turn += 1
+        return chunk
+
+
+@dataclass(frozen=True)
 class BoxMeans:
     """The box alone over the intervals that end at some edges: mean acceleration, and mean force without the bed."""
 
@@ -79,6 +115,7 @@ class Stand:
         self._waiting = np.zeros((2, 0))
         self._latest = np.zeros(0)
         self._rows: list[Array] = []
+        self._replay = Replay()
 
     @property
     def bed_mass(self) -> float:
@@ -108,20 +145,31 @@ class Stand:
         return rows
 
     def advance(self) -> Array:
-        """The interval means of the next chunk of whole cycles, shape (2, intervals); one less at the very start."""
-        box = self._box_means(self._sampling.edges(self._cycles, CHUNK_CYCLES))
-        reaction = self._bed.advance(CHUNK_CYCLES)
-        self._rows.append(account(reaction, self._kinetic, self._lost, self._inertial))
-        self._kinetic = float(reaction.kinetic[-1])
-        out = np.empty((2, reaction.momentum.size))
-        np.multiply(np.diff(reaction.momentum, prepend=self._last_momentum), self.rate, out=out[0])
-        out[0] += box.force
-        out[1] = box.acceleration
-        self._last_momentum = float(reaction.momentum[-1])
+        """The interval means of the next chunk of whole cycles, shape (2, intervals); one less at the very start.
+
+        Where nothing changes any more from one period to the next, earlier chunks come again, to the last bit.
+        """
+        chunk = self._replay.next() or self._simulated()
         at_start = self._cycles == 0
         self._cycles += CHUNK_CYCLES
-        self._latest = out[0]
-        return out[:, 1:] if at_start else out
+        self._rows.append(chunk.ledger)
+        self._latest = chunk.means[0]
+        return chunk.means[:, 1:] if at_start else chunk.means
+
+    def _simulated(self) -> Chunk:
+        before = self._box
+        box = self._box_means(self._sampling.edges(self._cycles, CHUNK_CYCLES))
+        reaction = self._bed.advance(CHUNK_CYCLES)
+        ledger = account(reaction, self._kinetic, self._lost, self._inertial)
+        self._kinetic = float(reaction.kinetic[-1])
+        means = np.empty((2, reaction.momentum.size))
+        np.multiply(np.diff(reaction.momentum, prepend=self._last_momentum), self.rate, out=means[0])
+        means[0] += box.force
+        means[1] = box.acceleration
+        self._last_momentum = float(reaction.momentum[-1])
+        chunk = Chunk(means, ledger)
+        self._replay.note(chunk, reaction.repeats if box is before else 0)
+        return chunk
 
     def _box_means(self, edges: Edges) -> BoxMeans:
         if self._box is None or self._box.edges is not edges:

@@ -19,6 +19,8 @@ class Reaction:
     work : work of the box on the bed in each cycle, J, shape (cycles,), found at the contacts
     friction, collision, viscous : losses in the bed in each cycle, J, shape (cycles,)
     kinetic : kinetic energy of the bed at the end of each cycle, J, shape (cycles,)
+    repeats : period in cycles with which these and all following cycles come again to the last bit, on a grid that
+        repeats with the cycle; 0 for none, or not known
     """
 
     momentum: Array
@@ -27,6 +29,7 @@ class Reaction:
     collision: Array
     viscous: Array
     kinetic: Array
+    repeats: int = 0
 
 
 class Bed(Protocol):

@@ -51,7 +51,7 @@ class Layers:
         velocity = self._sampling.edges(self._cycles, cycles).velocity
         if self._velocity.box is not velocity:
             self._velocity = _Velocity(velocity, velocity[1:] / unit)
-        momentum, ledger, complete = follow(
+        momentum, ledger, repeats = follow(
             Grid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
             self._velocity.scaled,
             self._riding_mass / mass if mass else 0.0,
@@ -60,7 +60,7 @@ class Layers:
             *self._coefficients,
             self._memory,
         )
-        if not complete:
+        if repeats < 0:
             raise too_many_events(self._stack)
         self._cycles += cycles
         energy: Array = mass * unit**2 * ledger
@@ -71,6 +71,7 @@ class Layers:
             collision=energy[:, 2],
             viscous=np.zeros(cycles),
             kinetic=energy[:, 3] + 0.5 * self._riding_mass * motion.start_velocity**2,
+            repeats=repeats,
         )
 
 

@@ -27,7 +27,7 @@ class Locked:
         velocity = self.sampling.edges(self._cycles, cycles).velocity[1:]
         self._cycles += cycles
         none = np.zeros(cycles)
-        return Reaction(self.mass * velocity, none, none, none, none, np.full(cycles, self.kinetic_at_start))
+        return Reaction(self.mass * velocity, none, none, none, none, np.full(cycles, self.kinetic_at_start), repeats=1)
 
 
 @dataclass
@@ -54,4 +54,4 @@ class Dashpot:
         self._cycles += cycles
         none = np.zeros(cycles)
         loss = np.full(cycles, viscous_energy(self.coefficient, self.sampling.motion))
-        return Reaction(self.coefficient * position, loss, none, none, loss, none)
+        return Reaction(self.coefficient * position, loss, none, none, loss, none, repeats=1)

@@ -21,6 +21,9 @@ STORED_CYCLES = 8
 STORED_EVENTS = 64
 """What of a steady row is kept to be replayed; longer orbits are simulated on."""
 
+REPEATS = 8
+"""Longest common period of all rows, in cycles, that is told to the caller."""
+
 SAME = 1e-10
 """Two states closer than this, in units of the waveform, are the same state."""
 
@@ -131,7 +134,7 @@ def _steady_energy(
 
 def follow(
     grid: Grid, velocity: Array, riding_rows: float, scale: float, rows: Rows, P: Array, Q: Array, memory: Memory
-) -> tuple[Array, Array, bool]:
+) -> tuple[Array, Array, int]:
     """Advance rows through the cycles of a grid and give their total momentum, times `scale`, at its edges.
 
     velocity : of the box at the edges, units of the waveform, shape (edges,)
@@ -139,29 +142,33 @@ def follow(
     memory : changed in place
 
     Returns momentum (edges,), a ledger (cycles, 4) of work on the rows, friction loss, collision loss and kinetic
-    energy at the end of the cycle, and False where a row exceeds `MAX_EVENTS`.
+    energy at the end of the cycle, and the period in cycles with which everything from the first of these cycles on
+    is replayed: 0 where a row is still simulated or they have no common period up to `REPEATS`, -1 where a row
+    exceeds `MAX_EVENTS`.
     """
     step = np.zeros((velocity.size, 3))
     base = np.zeros((grid.cycles, 3))
     base[:, 0] = riding_rows
     first_cycle, cycles, per_cycle = grid
-    ledger, complete = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base)
-    return _momentum(*grid, step, base, velocity, scale), ledger, complete
+    ledger, repeats = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base)
+    return _momentum(*grid, step, base, velocity, scale), ledger, repeats
 
 
 @njit(cache=True, nogil=True)
 def _follow(
     first_cycle: int, cycles: int, per_cycle: float, layer: Ints, play: Array, restitution: float, band: Array,
     tables: Array, P: Array, Q: Array, memory: Memory, step: Array, base: Array,
-) -> tuple[Array, bool]:  # fmt: skip
-    """Ledger of the rows, and whether all could be followed; adds their velocities to `step` and `base`."""
+) -> tuple[Array, int]:  # fmt: skip
+    """Ledger of the rows, and the period of all of them (`follow`); adds their velocities to `step` and `base`."""
     ledger = np.zeros((cycles, 4))
     events = _no_events()
     start_v = motion(0.0, P, Q)[1]
     origin = math.ceil(first_cycle * per_cycle)
     per_phase = per_cycle / TWO_PI
+    repeats = 1
     for r in range(layer.shape[0]):
         i, row = layer[r], memory[r]
+        repeats = _common(repeats, row.period) if row.recorded >= row.period else 0
         for k in range(cycles):
             now = first_cycle + k
             mode, w = row.mode, start_v + row.z
@@ -171,7 +178,7 @@ def _follow(
             else:
                 after = cycle(row.mode, row.u, row.z, band[i], play[r], restitution, tables[i], P, Q, events)
                 if after.events < 0:
-                    return ledger, False
+                    return ledger, -1
                 _store(row, after, events)
             row.mode, row.u, row.z = after.mode, after.u, after.z
             ledger[k, 0] += after.work
@@ -191,7 +198,20 @@ def _follow(
                     step[edge - origin, 1] += new_level - level
                     step[edge - origin, 2] += new_slope - slope
                 riding, level, slope = new_riding, new_level, new_slope
-    return ledger, True
+    return ledger, repeats
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _common(one: int, other: int) -> int:
+    """Least common multiple of two periods, 0 where one of them is none or it exceeds `REPEATS`."""
+    if one <= 0 or other <= 0:
+        return 0
+    both = one
+    while both % other:
+        both += one
+        if both > REPEATS:
+            return 0
+    return both
 
 
 @njit(cache=True, nogil=True, inline="always")
