@@ -1,0 +1,127 @@
+"""One stretch of free motion against a box in programmed motion: closed form without cancellation, bracketed roots.
+
+A body that leaves phase theta0 with velocity u0 against the box and feels a constant force moves against the box by
+d(t) = u0 t + a0 t^2/2 + sum [C_h s(h t) - S_h c(h t)]/h^2, s(y) = y - sin y, c(y) = y^2/2 - 1 + cos y,
+where a0 is the relative acceleration at the start and S_h, C_h are the waveform's harmonics there (`at`). With a0 = 0,
+as at a take-off, d starts like t^3 to full relative accuracy: nothing is left for round-off to fake an impact with.
+Units of the waveform (rig.kernels.waveform).
+"""
+
+import math
+
+from numba import njit
+
+from rig.kernels.waveform import Array
+
+CONVERGED = 1e-9
+"""Newton step over the time since the start, behind which the next would lie below round-off."""
+
+TIGHT = 1e-15
+"""Relative bracket width at which bisection has nothing left to halve."""
+
+MOST_ROOT_STEPS = 200
+"""Bisections that bring any bracket of a cycle below round-off."""
+
+
+LATE = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(8))
+LOW = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(8))
+"""Series of (y - sin y)/y^3 and (y^2/2 - 1 + cos y)/y^4 in y^2: what is left out is below 1e-16 of them for y < 1."""
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _tail(q: float, series: tuple[float, ...]) -> float:
+    """A polynomial in q, lowest order first."""
+    return series[0] + q * (
+        series[1]
+        + q * (series[2] + q * (series[3] + q * (series[4] + q * (series[5] + q * (series[6] + q * series[7])))))
+    )
+
+
+@njit(cache=True, nogil=True)
+def at(theta: float, P: Array, Q: Array, S: Array, C: Array) -> tuple[float, float, float]:
+    """Position, velocity and acceleration of the box; fills S = P sin + Q cos, C = P cos - Q sin of each harmonic."""
+    x, v, a = 0.0, 0.0, 0.0
+    for k in range(P.shape[0]):
+        h = k + 1.0
+        s, c = math.sin(h * theta), math.cos(h * theta)
+        S[k] = P[k] * s + Q[k] * c
+        C[k] = P[k] * c - Q[k] * s
+        x += S[k] / (h * h)
+        v += C[k] / h
+        a -= S[k]
+    return x, v, a
+
+
+@njit(cache=True, nogil=True)
+def drift(t: float, u0: float, a0: float, S: Array, C: Array) -> tuple[float, float, float]:
+    """Displacement, velocity and acceleration against the box, a time t after the start."""
+    d = (u0 + 0.5 * a0 * t) * t
+    u = u0 + a0 * t
+    a = a0
+    for k in range(S.shape[0]):
+        if S[k] == 0.0 and C[k] == 0.0:
+            continue
+        h = k + 1.0
+        y = h * t
+        q = y * y
+        if y < 1.0:
+            late = y * q * _tail(q, LATE)
+            low = q * q * _tail(q, LOW)
+            sine, versine = y - late, 0.5 * q - low
+        else:
+            sine, versine = math.sin(y), 1.0 - math.cos(y)
+            late, low = y - sine, 0.5 * q - versine
+        d += (C[k] * late - S[k] * low) / (h * h)
+        u += (C[k] * versine - S[k] * late) / h
+        a += C[k] * sine - S[k] * versine
+    return d, u, a
+
+
+@njit(cache=True, nogil=True)
+def reach(
+    lo: float, hi: float, guess: float, wall: float, sense: float, u0: float, a0: float, S: Array, C: Array
+) -> tuple[float, int]:
+    """When the displacement gets to `wall`, moving up (sense 1) or down (-1), and the steps it took.
+
+    The bracket holds one such passage; what is left to the wall is >= 0 at `lo` and <= 0 at `hi`.
+    """
+    t = guess
+    for n in range(MOST_ROOT_STEPS):
+        d, u, _ = drift(t, u0, a0, S, C)
+        left = sense * (wall - d)
+        if left > 0.0:
+            lo = t
+        else:
+            hi = t
+        closing = sense * u
+        new = t + left / closing if closing > 0.0 else lo - 1.0
+        newton = lo <= new <= hi
+        if not newton:
+            new = 0.5 * (lo + hi)
+        step = abs(new - t)
+        t = new
+        if (newton and step <= CONVERGED * t) or hi - lo <= TIGHT * hi:
+            return t, n + 1
+    return t, MOST_ROOT_STEPS
+
+
+@njit(cache=True, nogil=True)
+def turn(lo: float, u_lo: float, hi: float, u_hi: float, u0: float, a0: float, S: Array, C: Array) -> tuple[float, int]:
+    """When the relative velocity, of opposite signs at both ends of a bracket in which it is monotonic, is zero."""
+    sense = 1.0 if u_lo > 0.0 else -1.0
+    t = lo + (hi - lo) * u_lo / (u_lo - u_hi)
+    for n in range(MOST_ROOT_STEPS):
+        _, u, a = drift(t, u0, a0, S, C)
+        if sense * u > 0.0:
+            lo = t
+        else:
+            hi = t
+        new = t - u / a if sense * a < 0.0 else lo - 1.0
+        newton = lo <= new <= hi
+        if not newton:
+            new = 0.5 * (lo + hi)
+        step = abs(new - t)
+        t = new
+        if (newton and step <= CONVERGED * t) or hi - lo <= TIGHT * hi:
+            return t, n + 1
+    return t, MOST_ROOT_STEPS
