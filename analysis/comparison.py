@@ -92,7 +92,7 @@ def agreement(
         "reasons": list(judged.reasons),
         "flags": _flags(results),
         "left_out": [dict(entry) for entry in left_out],
-        "instruments": [_instrument(channels[name]) for name in ("force", "acceleration")],
+        "instruments": [_instrument(channel) for channel in channels.values()],
         "assumed": [dict(value) for value in assumed],
     }
     mistake = deliberate(results, channels)
@@ -126,6 +126,8 @@ def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[
         "offset": difference.value / scale if difference and scale else None,
         "U_offset": difference.U / scale if difference and scale else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
+        "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
+        "E_n_coil": _E_n(result.coil_apart),
         "uncertainty": [
             {"source": line.source, "unit": line.unit, "u": line.u, "c": line.c, "nu": line.nu,
              "share": (line.part / exp.u) ** 2 if exp.u else 0.0}
@@ -139,7 +141,8 @@ def _run_row(run: RunEnergy) -> dict[str, Any]:
     return {
         "run": run.run, "order": run.order, "repeat": run.repeat, "acceleration": energy.level,
         "W_exp": energy.W, "W_exc": energy.W_exc, "W_kin": energy.W_kin, "W_phasor": energy.W_phasor,
-        "W_eq25": energy.W_eq25, "W_coil": None, "cycles": energy.cycles, "flags": list(run.flags),
+        "W_eq25": energy.W_eq25, "W_coil": run.coil.W if run.coil else None,
+        "cycles": energy.cycles, "flags": list(run.flags),
     }  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.coil import coil_estimates
 from analysis.correction import net_of_mass
 from analysis.estimate import Estimate
 from analysis.prediction import Prediction
@@ -33,7 +34,8 @@ class Result:
 
     W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
     detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
-    the runs, each at its measured acceleration (empty without a prediction).
+    the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
+    W_exp, where the coil's current is recorded in every run.
     """
 
     setting: Setting
@@ -45,6 +47,8 @@ class Result:
     chain: Estimate | None
     detect: float
     predicted: Mapping[str, float | None]
+    coil: Estimate | None = None
+    coil_apart: Estimate | None = None
 
     @property
     def comparable(self) -> bool:
@@ -77,6 +81,8 @@ def evaluate(
     scatter = scatter_line([run.energy.W for run in runs]) or noise_line
     lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
+    coils = [run.coil for run in runs if run.coil is not None]
+    by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
     return Result(
         setting=setting,
         runs=tuple(runs),
@@ -87,6 +93,8 @@ def evaluate(
         chain=_chain(W, runs, (*noise_line, *certified)),
         detect=abs(reactive) * angle.U,
         predicted=predicted,
+        coil=by_coil[0],
+        coil_apart=by_coil[1],
     )
 
 

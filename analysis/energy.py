@@ -17,7 +17,7 @@ from analysis.correction import advanced, without_pole
 from analysis.cycles import on_grid, whole_cycles
 from analysis.integration import integral
 
-__all__ = ["Energy", "combined", "dissipated_energy", "window_energy"]
+__all__ = ["Energy", "combined", "dissipated_energy", "harmonics", "window_energy"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -129,7 +129,7 @@ def window_energy(
     step = 1 / (frequency * points)
     force = _corrected(force, step, time_constants[0], 0.0)
     acceleration = _corrected(acceleration, step, time_constants[1], delay)
-    force_h, acceleration_h = _harmonics(force, cycles, points), _harmonics(acceleration, cycles, points)
+    force_h, acceleration_h = harmonics(force, cycles, points), harmonics(acceleration, cycles, points)
     W_cycles = _loop(force.reshape(cycles, points), acceleration.reshape(cycles, points), step)
     W_exc, W_kin = _literal(force, acceleration, cycles, points, step, box_mass)
     omega = 2 * math.pi * frequency * np.arange(1, force_h.size + 1)
@@ -166,7 +166,7 @@ def _corrected(signal: Array, step: float, time_constant: float | None, delay: f
     return signal if time_constant is None else without_pole(signal, time_constant, step)
 
 
-def _harmonics(signal: Array, cycles: int, points: int) -> Complex:
+def harmonics(signal: Array, cycles: int, points: int) -> Complex:
     """Peak phasors of harmonics 1, 2, ... of the drive, up to the pass band's edge.
 
     The spectrum of the mean cycle is that of the whole window at the harmonics.

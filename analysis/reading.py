@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from analysis.coil import Coil, coil_of
 from analysis.comparison import agreement
 from analysis.cycles import Window, on_grid, whole_cycles
-from analysis.energy import combined, window_energy
+from analysis.energy import Energy, combined, harmonics, window_energy
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
@@ -16,7 +17,7 @@ from daq.block import Flag, flag_names
 
 __all__ = ["read_session", "run_energy"]
 
-FORCE, ACCELERATION = "force", "acceleration"
+FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN  # samples are missing or mean nothing: no energy can be stated
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
@@ -56,15 +57,34 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         )  # fmt: skip
         parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
     energy, scalars = combined(parts), record.scalars(run.name)
+    samples = round(window.cycles * window.grid.period)
     wanted = int(setting.record_cycles)
     short = (f"{window.cycles}_of_{wanted}_cycles",) if window.cycles < wanted else ()
     return RunEnergy(
         run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
-        u_noise=noise_of(energy, force, acceleration, round(window.cycles * window.grid.period)),
+        u_noise=noise_of(energy, force, acceleration, samples),
         flags=(*flag_names(int(bits)), *short, *_limits(scalars)),
         use=_use(scalars),
         ledger=_ledger(record, run, setting, window),
+        coil=_coil(record, run, window, energy, samples),
     )  # fmt: skip
+
+
+def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples: int) -> Coil | None:
+    """What the coil's current tells; None where it is not recorded or the exciter is not known."""
+    exciter, channel = record.document("exciter"), record.channels.get(CURRENT)
+    if exciter is None or channel is None:
+        return None
+    acceleration = _channel(record, ACCELERATION)
+    lag = (channel.filter_delay - acceleration.filter_delay) / run.rate + acceleration.skew - channel.skew
+    total = np.zeros_like(energy.acceleration)
+    for part in window.segments():
+        first, last = part.sample_range()
+        current = on_grid(record.signal(run.name, CURRENT, first, last).samples, first, part)
+        total += harmonics(current, part.cycles, current.size // part.cycles) * (part.cycles / window.cycles)
+    orders = np.arange(1, total.size + 1)
+    total *= np.exp(2j * np.pi * energy.frequency * lag * orders)
+    return coil_of(total, energy, channel, exciter, samples)
 
 
 def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None) -> dict[str, Any]:

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.energy import Energy
+
+if TYPE_CHECKING:
+    from analysis.coil import Coil
 
 __all__ = ["AnalysisError", "ChannelFacts", "Record", "RunEnergy", "RunFacts", "Setting", "Signal", "Truth"]
 
@@ -152,6 +155,7 @@ class RunEnergy:
     flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
     from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
     only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
+    coil: energy as the coil's current tells it, None where that is not recorded.
     """
 
     run: str
@@ -163,3 +167,4 @@ class RunEnergy:
     flags: tuple[str, ...] = ()
     ledger: Mapping[str, float] | None = None
     use: Mapping[str, float] = field(default_factory=dict)
+    coil: "Coil | None" = None

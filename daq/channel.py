@@ -23,7 +23,7 @@ __all__ = [
     "ideal_transducer",
 ]  # fmt: skip
 
-Quantity = Literal["force", "acceleration"]
+Quantity = Literal["force", "acceleration", "voltage", "current"]
 
 REFERENCE_RANGE = 10.0  # V, at which AnalyzerSpec.noise_rms is stated
 REFERENCE_RATE = 51200.0  # Hz, at which AnalyzerSpec.noise_rms is stated
@@ -105,9 +105,15 @@ class AnalyzerSpec:
 def ideal_transducer(quantity: Quantity) -> TransducerSpec:
     """A transducer without pole, noise or calibration error.
 
-    2 mV/N and 10 mV/(m/s^2), so that the usual ranges of 10 V and 1 V read 5 kN and 100 m/s^2 at full scale.
+    2 mV/N and 10 mV/(m/s^2), so that the usual ranges of 10 V and 1 V read 5 kN and 100 m/s^2 at full scale; 0.1 V per
+    V and per A, 100 V and 100 A at 10 V.
     """
-    unit, sensitivity, full_scale = {"force": ("N", 2e-3, 5000.0), "acceleration": ("m/s^2", 1e-2, 100.0)}[quantity]
+    unit, sensitivity, full_scale = {
+        "force": ("N", 2e-3, 5000.0),
+        "acceleration": ("m/s^2", 1e-2, 100.0),
+        "voltage": ("V", 0.1, 100.0),
+        "current": ("A", 0.1, 100.0),
+    }[quantity]
     return TransducerSpec("ideal", quantity, unit, sensitivity, full_scale, None, 0.0, 0.0, 1e4, 0.0)
 
 

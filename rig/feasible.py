@@ -75,6 +75,8 @@ def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
         ("acquire.analyzer", acquire.analyzer, (*names("analyzer"), IDEAL)),
         ("acquire.sensors.force", sensors.force, (*sensors_for("force"), IDEAL)),
         ("acquire.sensors.acceleration", sensors.acceleration, (*sensors_for("acceleration"), IDEAL)),
+        ("acquire.sensors.current", sensors.current, (*sensors_for("current"), IDEAL)),
+        ("acquire.sensors.voltage", sensors.voltage, (*sensors_for("voltage"), IDEAL)),
     ):
         if name not in known:
             yield Conflict((path,), quote(name), ", ".join(known), nearest(name, known))

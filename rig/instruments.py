@@ -1,7 +1,9 @@
 """The instruments of a protocol: catalog entries and rig file become channels with a certified and an actual state."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from daq.channel import (
     AnalyzerSpec,
@@ -18,11 +20,13 @@ from daq.channel import (
 )
 from daq.seeds import stream
 from rig import catalog
-from rig.catalog.entries import Rig
+from rig.catalog.entries import Exciter, Rig
+from rig.drive.exciter import PARTS
 from rig.errors import InputError, Mistake
 from rig.scene import Condition
 
 CHANNELS = ("force", "acceleration")
+EXCITER_CHANNELS = ("current", "voltage")
 
 
 @dataclass(frozen=True)
@@ -31,12 +35,14 @@ class Instruments:
 
     states : the actual states, drawn once per session and channel; known to nobody but the truth
     clock_error : relative error of the analyzer's clock, on which the generator runs too
+    exciter : the actual exciter, the rig file's values being what the laboratory knows of it
     """
 
     analyzer: AnalyzerSpec
     channels: tuple[Channel, ...]
     states: tuple[ChannelState, ...]
     clock_error: float
+    exciter: Exciter
 
     def table(self, rate: float, filter_delay: float) -> tuple[ChannelInfo, ...]:
         """The channel table of the session file: certified values only."""
@@ -48,10 +54,10 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
 
     Raises InputError where conditions ask for different instruments: a session has one channel table.
     """
-    wanted = {(c.acquire.analyzer, c.acquire.sensors) for c in conditions}
+    wanted = {(c.acquire.analyzer, c.acquire.sensors, c.acquire.exciter_channels) for c in conditions}
     if len(wanted) > 1:
         raise InputError(
-            Mistake("", "vary", "an axis over acquire.analyzer or acquire.sensors",
+            Mistake("", "vary", "an axis over acquire.analyzer, acquire.sensors or acquire.exciter_channels",
                     "one set of instruments in a session; run one session for each and compare")
         )  # fmt: skip
     acquire = conditions[0].acquire
@@ -64,7 +70,7 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
             serial=f"synthetic-{name}",
             direction="+drive",
         )
-        for name in CHANNELS
+        for name in (*CHANNELS, *(EXCITER_CHANNELS if acquire.exciter_channels else ()))
     )
     states = tuple(
         certified_state(channel)
@@ -72,10 +78,22 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
         else draw_state(channel, analyzer, stream(seed, "instrument", channel.name))
         for channel in channels
     )
-    return Instruments(analyzer, channels, states, draw_clock_error(analyzer, stream(seed, "clock")))
+    known = acquire.sensors.current == "ideal"
+    exciter = rig.exciter if known else drawn_exciter(rig.exciter, stream(seed, "exciter"))
+    return Instruments(analyzer, channels, states, draw_clock_error(analyzer, stream(seed, "clock")), exciter)
+
+
+def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
+    """An exciter as it may really be: force constant and parts normal about what is known, U (k = 2) as stated."""
+    known = {"force_constant": exciter.force_constant_U, **dict.fromkeys(PARTS, exciter.parts_U)}
+    factors = np.exp(0.5 * np.array(list(known.values())) * rng.standard_normal(len(known)))
+    return replace(
+        exciter,
+        **{name: getattr(exciter, name) * float(factor) for name, factor in zip(known, factors, strict=True)},
+    )
 
 
 def _transducer(channel: str, model: str) -> TransducerSpec:
     if model == "ideal":
-        return ideal_transducer("force" if channel == "force" else "acceleration")
+        return ideal_transducer(channel)  # type: ignore[arg-type]
     return catalog.transducer(model)

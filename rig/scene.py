@@ -109,15 +109,18 @@ class Drive:
 
 @dataclass(frozen=True)
 class Sensors:
-    """Catalog names of the transducers; "ideal" leaves one out."""
+    """Catalog names of the transducers; "ideal" leaves one out. Voltage and current: of the exciter's coil."""
 
     force: str = "208C03"
     acceleration: str = "352C33"
+    current: str = "shunt"
+    voltage: str = "divider"
 
 
 @dataclass(frozen=True)
 class Acquire:
-    """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record."""
+    """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record; whether coil current
+    and drive voltage are recorded beside force and acceleration."""
 
     analyzer: str = "INV-3118"
     samples_per_cycle: Annotated[int, Quantity("number", 8, 1000000)] = 500
@@ -125,6 +128,7 @@ class Acquire:
     record: Annotated[int, Quantity("cycles", 1, 10000000)] = 40
     sensors: Sensors = Sensors()
     allow_undersampled: bool = False
+    exciter_channels: bool = False
 
 
 @dataclass(frozen=True)

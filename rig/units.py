@@ -39,6 +39,8 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "resistance": {"ohm": _ONE, "kohm": _KILO},
     "inductance": {"H": _ONE, "mH": _MILLI, "uH": _MICRO},
     "force sensitivity": {"V/N": _ONE, "mV/N": _MILLI},
+    "voltage sensitivity": {"V/V": _ONE, "mV/V": _MILLI},
+    "current sensitivity": {"V/A": _ONE, "mV/A": _MILLI},
     "acceleration sensitivity": {"V/(m/s^2)": _ONE, "mV/(m/s^2)": _MILLI, "V/g": _ONE / _G, "mV/g": _MILLI / _G},
 }
 """Dimension -> unit -> its size in the SI unit, which comes first. A plain number is in that first unit."""

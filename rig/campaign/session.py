@@ -8,7 +8,8 @@ from rig.campaign.practice import told
 from rig.campaign.setup import Campaign
 from rig.cases import cases
 from rig.catalog import dump_rig
-from rig.drive.exciter import Demand
+from rig.catalog.entries import Exciter
+from rig.drive.exciter import Demand, solvable_band
 from rig.plan import Run, condition_facts, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
@@ -44,15 +45,22 @@ def session_plan(campaign: Campaign) -> SessionPlan:
                     "values": [*(asdict(value) for value in campaign.rig.values),
                                *assumed_settings(campaign.conditions)]},
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
+            "exciter": exciter_facts(campaign.rig.exciter),
         },
         truth_documents={
             "instruments": {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)},
             "clock": {"error": tools.clock_error},
+            "exciter": exciter_facts(tools.exciter),
         },
         ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
         scalars=SCALARS,
     )  # fmt: skip
+
+
+def exciter_facts(exciter: Exciter) -> dict[str, float | str]:
+    """An exciter for the session file, SI; `band` (Hz): up to where its current tells the force at the gauge."""
+    return {**asdict(exciter), "band": solvable_band(exciter)}
 
 
 def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:

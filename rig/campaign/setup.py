@@ -11,12 +11,14 @@ from daq.acquisition import Emulated
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY, FrontEnd
 from daq.seeds import stream
+from daq.source import PhysicalSource
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
+from rig.drive.channels import WithExciter
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
 from rig.instruments import Instruments, instruments
@@ -94,7 +96,7 @@ class Campaign:
         stand = self.stand(run)
         noise = [self._stream(run, channel.name) for channel in tools.channels]
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
-        source = seen(stand, self.protocol.mistake, run.condition, self.rig, stand.motion)
+        source = seen(self._source(run, stand), self.protocol.mistake, run.condition, self.rig, stand.motion)
         acquisition = Emulated(Transduced(source, tools.states), front)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         for number, samples in enumerate(size.blocks):
@@ -103,6 +105,10 @@ class Campaign:
             rows = self._ledger(run, stand)[:wanted]
             wanted -= len(rows)
             yield Part(run.name, block, rows, self.demand(run, stand).scalars() if last else None)
+
+    def _source(self, run: Run, stand: Stand) -> PhysicalSource:
+        """The channels that are recorded of a stand."""
+        return WithExciter(stand, self.instruments.exciter) if run.condition.acquire.exciter_channels else stand
 
     def _ledger(self, run: Run, stand: Stand) -> NDArray[np.float64]:
         rows = stand.drain_ledger()

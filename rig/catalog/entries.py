@@ -17,6 +17,10 @@ Density = Annotated[float, Quantity("density", 0.0, 30000.0, above=True)]
 Stiffness = Annotated[float, Quantity("stiffness", 0.0, 1e12, above=True)]
 
 
+RANGES = {"force": 10.0, "acceleration": 1.0, "current": 10.0, "voltage": 10.0}
+"""Analyzer range of every channel that can be recorded, V."""
+
+
 @dataclass(frozen=True)
 class CatalogValue:
     """One number with its origin: `value` in the SI `unit`, `status` one of STATUSES, `source` in words."""
@@ -43,7 +47,8 @@ class Material:
 class Exciter:
     """An electrodynamic exciter with its amplifier's limits and its stinger (hardware.md): peak force N, force constant
     N/A, coil ohm and H, peak current A and voltage V, stroke +-m, masses kg, stiffnesses N/m, stinger damping N s/m,
-    stinger buckling load N."""
+    stinger buckling load N. What the laboratory knows of it: relative expanded uncertainties (k = 2) of the force
+    constant, `force_constant_U`, and of each mass, stiffness and damping, `parts_U`."""
 
     name: str
     force_peak: Annotated[float, Quantity("force", 0.0, 1e7, above=True)]
@@ -62,6 +67,8 @@ class Exciter:
     stinger_stiffness: Stiffness
     stinger_damping: Annotated[float, Quantity("damping", 0.0, 1e6)]
     stinger_buckling: Annotated[float, Quantity("force", 0.0, 1e9, above=True)]
+    force_constant_U: Fraction
+    parts_U: Fraction
 
 
 @dataclass(frozen=True)
@@ -72,8 +79,8 @@ class Rig:
     shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity m/s^2; parasitic losses `loss_noise`
     (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the mount: friction of guides, natural frequency in Hz and
     loss factor of cords; relative level error and third harmonic of the waveform;
-    relative scatter per refill of the packing and of the free play; analyzer range of each channel in V (keys `force`
-    and `acceleration`); `provenance` of the losses as `rig calibrate` wrote it; `values` lists every number's origin.
+    relative scatter per refill of the packing and of the free play; analyzer range of each channel in V (keys
+    of `RANGES`); `provenance` of the losses as `rig calibrate` wrote it; `values` lists every number's origin.
     """
 
     name: str
@@ -97,6 +104,6 @@ class Rig:
     third_harmonic: Fraction = 0.003
     refill_packing: Fraction = 0.01
     refill_play: Fraction = 0.10
-    ranges: Mapping[str, float] = field(default_factory=lambda: {"force": 10.0, "acceleration": 1.0}, hash=False)
+    ranges: Mapping[str, float] = field(default_factory=lambda: dict(RANGES), hash=False)
     provenance: Mapping[str, Any] = field(default_factory=dict, hash=False)
     values: tuple[CatalogValue, ...] = ()

@@ -20,7 +20,7 @@ from rig.units import Quantity
 
 SCHEMA = "rig/rig/1"
 DEFAULT = "default"
-RANGES = ("force", "acceleration")
+RANGES = ("force", "acceleration", "current", "voltage")
 _VOLTS = Wanted(Quantity("voltage", 0.0, 1000.0, above=True))
 _PRESET = "preset"
 

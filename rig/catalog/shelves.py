@@ -25,7 +25,7 @@ IDEAL = "ideal"
 
 _RELATIVE = Quantity("number", 0.0, 1.0)
 _COUNT = Quantity("number", 1.0, 64.0)
-_SENSOR_UNITS = {"force": "N", "acceleration": "m/s^2"}
+_SENSOR_UNITS = {"force": "N", "acceleration": "m/s^2", "voltage": "V", "current": "A"}
 
 
 class Entry(NamedTuple):
@@ -64,7 +64,9 @@ def exciter(name: str) -> Exciter:
     return Exciter(name=name, **entry_of("exciter", name).numbers())
 
 
-def transducer(name: str, quantity: Literal["force", "acceleration"] | None = None) -> TransducerSpec:
+def transducer(
+    name: str, quantity: Literal["force", "acceleration", "voltage", "current"] | None = None
+) -> TransducerSpec:
     """A transducer by its catalog name, which must measure `quantity` where that is given; "ideal", one without any
     error, needs it."""
     from daq.channel import TransducerSpec, ideal_transducer
