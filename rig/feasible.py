@@ -147,6 +147,9 @@ def misfits(practice: BadPractice, scene: Scene, acquire: Acquire) -> Iterator[C
     if practice.cycles is not None and not math.ceil(practice.cycles) <= acquire.record <= LONGEST_READING:
         allowed = f"acquire.record from the next whole number of cycles to {LONGEST_READING} cycles"
         yield Conflict(("mistake.cycles", "acquire.record"), f"{practice.cycles:g} of {acquire.record} cycles", allowed)
+    if practice.corners is not None and acquire.exciter_channels:
+        found = "force and acceleration AC coupled beside the exciter's channels"
+        yield Conflict(("mistake.corners", "acquire.exciter_channels"), found, "acquire.exciter_channels: false")
     if practice.friction and not ("mount" in scene.losses and scene.support == "guide"):
         found = f"losses {', '.join(scene.losses) or 'none'} on support {scene.support}"
         paths = ("mistake.friction", "scene.losses", "scene.support")

@@ -15,7 +15,19 @@ def all_tables(report: Report) -> tuple[Table, ...]:
     """The tables that have rows, in the order of the page."""
     made = (
         make(report)
-        for make in (claims, conditions, offset_terms, causes, nulls, references, flags, budget, instruments, values)
+        for make in (
+            claims,
+            conditions,
+            coil,
+            offset_terms,
+            causes,
+            nulls,
+            references,
+            flags,
+            budget,
+            instruments,
+            values,
+        )
     )
     return tuple(table for table in made if table.rows)
 
@@ -50,6 +62,25 @@ def conditions(report: Report) -> Table:
     if impossible:
         note += f" The paper's own formula exceeds the hard bound, and is impossible, in {', '.join(impossible)}."
     return Table("Conditions", note, head, tuple(rows))
+
+
+def coil(report: Report) -> Table:
+    """Energies from the coil's current beside those from the gauge; no rows where it was not recorded."""
+    rows = tuple(
+        (
+            Cell(row["id"]), fixed(row["acceleration"], 3), with_U(row["W_exp"], row["U_W_exp"], 1e3),
+            with_U(row["W_coil"], row["U_W_coil"], 1e3), fixed(row["E_n_coil"], 2),
+        )
+        for row in report["conditions"]
+        if row["W_coil"] is not None
+    )  # fmt: skip
+    note = (
+        "W_coil is the work at the gauge plane as coil current and box acceleration tell it, without the gauge: BL i "
+        "less what armature, flexure and body take, with the exciter's values as known. E_n compares the two; what the "
+        "accelerometer may be wrong by is in both and does not count."
+    )
+    head = ("id", "a, m/s²", "W_exp ± U, mJ", "W_coil ± U, mJ", "E_n coil")
+    return Table("Energy from the coil's current", note, head, rows)
 
 
 def claims(report: Report) -> Table:
