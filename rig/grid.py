@@ -70,11 +70,13 @@ def expand(
 
 
 def seed_key(scene: Scene, drive: Drive) -> str:
-    """SHA-256 of the content that seeds a condition's streams, hex: losses, support, waveform imperfection and the
-    acquisition are left out, so that the same bed is seen through other losses and instruments."""
-    content = {"scene": asdict(scene), "drive": asdict(drive)}
-    for part, name in (("scene", "losses"), ("scene", "support"), ("drive", "imperfection")):
-        del content[part][name]
+    """SHA-256 of the content that seeds a condition's streams, hex: losses, support, all of the drive but its level
+    and frequency, and the acquisition are left out, so that the same bed is seen through other drives and instruments.
+    """
+    level = {"mode": "servo", "frequency": drive.frequency, "acceleration": drive.acceleration}
+    content = {"scene": asdict(scene), "drive": level}
+    for name in ("losses", "support"):
+        del content["scene"][name]
     text = json.dumps(_as_floats(content), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -13,6 +13,15 @@ SPENT = (*IN_BED, *LOST, "dKE_bed", "dKE_box")
 COLUMNS = (*SPENT, "W_gauge", "closure")
 """Joules per cycle, except `closure`: what is left over, as a share of max(|W_gauge|, pi M V^2)."""
 
+LOST_IN_EXCITER = ("W_copper", "W_flexure", "W_stinger", "W_isolation")
+OF_EXCITER = ("W_electric", *LOST_IN_EXCITER, "W_coil", "dE_exciter", "closure_exciter")
+"""Coupled drive, joules per cycle: W_electric is what the amplifier gives, its balance W_electric = W_copper +
+W_flexure + W_stinger + W_isolation + dE_exciter + W_gauge, and `closure_exciter` what is left over, as a share of the
+larger of the scale of `closure` and |W_electric|. W_coil is BL i times the velocity of the coil in the body, W_gauge
+the work of the stinger on the box, whichever end the gauge sits at."""
+
+COUPLED_COLUMNS = (*COLUMNS, *OF_EXCITER)
+
 CLOSES = 1e-9
 """Largest closure of an account that closes, servo drive."""
 

@@ -33,6 +33,8 @@ Axis = Literal["horizontal", "vertical", "zero_gravity"]
 Support = Literal["none", "cords", "guide"]
 Mode = Literal["servo", "coupled"]
 Imperfection = Literal["default", "none"]
+Amplifier = Literal["voltage", "current"]
+GaugeSide = Literal["box", "exciter"]
 
 
 @dataclass(frozen=True)
@@ -99,12 +101,15 @@ class Scene:
 
 @dataclass(frozen=True)
 class Drive:
-    """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform."""
+    """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform.
+    Coupled drive: what the amplifier commands, and the end of the stinger that the gauge and its mass are fixed to."""
 
     mode: Mode = "servo"
     frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 20.0
     acceleration: Annotated[float, Quantity("acceleration", 0.0, 10000.0, above=True)] = 5.0
     imperfection: Imperfection = "default"
+    amplifier: Amplifier = "voltage"
+    gauge: GaugeSide = "box"
 
 
 @dataclass(frozen=True)
@@ -142,7 +147,7 @@ class Repeats:
 @dataclass(frozen=True)
 class Condition:
     """One point of the grid with every value resolved. `seed_key` is the content that seeds its random streams: scene
-    without losses and support, drive without imperfection, no acquisition, so that changing those keeps the bed."""
+    without losses and support, level and frequency, no acquisition: changing anything else keeps the bed."""
 
     id: str
     scene: Scene

@@ -1,0 +1,254 @@
+"""Exciter, box and rows in steps: the linear system exactly, the rows by one scalar equation, energy by quadrature.
+
+States and symbols as in `rig.drive.electrodynamic`. Inside a step the forces on the box are constant, so its motion at
+every edge of the grid is exact. Energies are integrals over each interval by the trapezoid with its end correction, of
+fourth order; none of them is found as what is left over.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.two_way import Pull, carry, collide, end_velocity, reached
+from rig.kernels.waveform import Array
+
+XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
+STATES = 7
+
+GAUGE, ELECTRIC, COPPER, FLEXURE, STINGER, ISOLATION, COIL, SQUARE, AIR, GUIDE, FRICTION, COLLISION = range(12)
+MOST_VOLTAGE, MOST_CURRENT, MOST_TRAVEL, MOST_PULL, MOST_PUSH, LIMITED = range(12, 18)
+ACCOUNTS = 18
+"""What a stretch adds up: works through the gauge plane, out of the amplifier, in copper, flexure, stinger, isolation,
+through the coil; the integral of the box's v^2; works against air, guide, friction and contacts of the rows.
+Then largest values: voltage, current, travel of the coil, stinger tension and compression; and intervals at a limit."""
+
+MOMENTUM, SPEED, FLOW, PRESSURE, GAUGE_MASS = range(5)
+SIGNALS = 5
+"""Per interval: impulse of the stinger's force on the box, change of the box's velocity, integrals of current and
+voltage, change of the armature's velocity. An impact at an edge counts half in the intervals on either side, the last
+line is what falls behind the end."""
+
+
+class Machine(NamedTuple):
+    """The linear system's numbers (`rig.drive.electrodynamic.Plant`), the amplifier's limits, the grid's interval."""
+
+    force_constant: float
+    resistance: float
+    inductance: float
+    flexure: float
+    flexure_damping: float
+    stinger: float
+    stinger_damping: float
+    isolation: float
+    isolation_damping: float
+    armature: float
+    body: float
+    box: float
+    damping: float
+    read_mass: float
+    voltage_peak: float
+    current_peak: float
+    is_current: bool
+    interval: float
+
+
+class Feed(NamedTuple):
+    """How the amplifier drives the coil: `by_current`, else by voltage; `limit` is the voltage or the current that it
+    is stuck at, nan where it follows its command."""
+
+    by_current: bool
+    limit: float
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _rates(y: Array, on: Machine, force: float) -> tuple[float, float, float]:
+    """Accelerations of armature, body and box under a force on the box."""
+    r, vr = y[XA] - y[XB], y[VA] - y[VB]
+    flexure = on.flexure * r + on.flexure_damping * vr
+    pull = on.stinger * (y[XA] - y[X]) + on.stinger_damping * (y[VA] - y[V])
+    coil = on.force_constant * y[I]
+    mount = on.isolation * y[XB] + on.isolation_damping * y[VB]
+    return (
+        (coil - flexure - pull) / on.armature,
+        (flexure - coil - mount) / on.body,
+        (pull + force - on.damping * y[V]) / on.box,
+    )
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _voltage(y: Array, i_rate: float, on: Machine) -> float:
+    """Voltage that keeps a current going."""
+    voltage: float = on.resistance * y[I] + on.inductance * i_rate + on.force_constant * (y[VA] - y[VB])
+    return voltage
+
+
+@njit(cache=True, nogil=True)
+def _powers(y: Array, force: float, e: float, e_rate: float, i_rate: float, on: Machine, q: Array, dq: Array) -> None:
+    """The powers of accounts GAUGE to SQUARE at one instant, in `q`, and their rates of change, in `dq`."""
+    aa, ab, a = _rates(y, on, force)
+    i, v = y[I], y[V]
+    vr, ar = y[VA] - y[VB], aa - ab
+    vs, as_ = y[VA] - v, aa - a
+    pull = on.stinger * (y[XA] - y[X]) + on.stinger_damping * vs
+    pull_rate = on.stinger * vs + on.stinger_damping * as_
+    q[GAUGE], dq[GAUGE] = pull * v, pull_rate * v + pull * a
+    q[ELECTRIC], dq[ELECTRIC] = e * i, e_rate * i + e * i_rate
+    q[COPPER], dq[COPPER] = on.resistance * i * i, 2.0 * on.resistance * i * i_rate
+    q[FLEXURE], dq[FLEXURE] = on.flexure_damping * vr * vr, 2.0 * on.flexure_damping * vr * ar
+    q[STINGER], dq[STINGER] = on.stinger_damping * vs * vs, 2.0 * on.stinger_damping * vs * as_
+    q[ISOLATION], dq[ISOLATION] = on.isolation_damping * y[VB] ** 2, 2.0 * on.isolation_damping * y[VB] * ab
+    q[COIL], dq[COIL] = on.force_constant * i * vr, on.force_constant * (i_rate * vr + i * ar)
+    q[SQUARE], dq[SQUARE] = v * v, 2.0 * v * a
+
+
+@njit(cache=True, nogil=True)
+def _free(
+    y: Array, steps: int, k0: int, feed: Feed, command: Array, phi: Array, now: Array, following: Array, on: Machine,
+    path: Array,
+) -> None:  # fmt: skip
+    """States at the edges of a step without any force on the box, in `path`."""
+    kind = 1 if feed.by_current else 0
+    stuck = not math.isnan(feed.limit)
+    for s in range(STATES):
+        path[0, s] = y[s]
+    for k in range(steps):
+        if feed.by_current:
+            target = path[k, I] if stuck else command[k0 + k + 1]
+            u0, u1 = (target - path[k, I]) / on.interval, 0.0
+        else:
+            u0 = feed.limit if stuck else command[k0 + k]
+            u1 = feed.limit if stuck else command[k0 + k + 1]
+        for s in range(STATES):
+            total = now[kind, s] * u0 + following[kind, s] * u1
+            for c in range(STATES):
+                total += phi[kind, s, c] * path[k, c]
+            path[k + 1, s] = total
+
+
+@njit(cache=True, nogil=True)
+def _within(path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Machine) -> tuple[int, Feed]:
+    """Edge of a step at which the amplifier meets a limit or leaves it (else `steps`), and how it drives from there."""
+    stuck = not math.isnan(feed.limit)
+    for k in range(1, steps + 1):
+        y, i = path[k], path[k, I]
+        if on.is_current:
+            if not stuck:
+                e = _voltage(y, (i - path[k - 1, I]) / on.interval, on)
+                if abs(e) > on.voltage_peak:
+                    return k, Feed(False, math.copysign(on.voltage_peak, e))
+            elif (i - command[k0 + k]) * feed.limit >= 0.0:
+                return k, Feed(True, math.nan)
+        elif not stuck:
+            if abs(i) > on.current_peak and i * (i - path[k - 1, I]) > 0.0:
+                return k, Feed(True, i)
+        elif (command[k0 + k] - _voltage(y, 0.0, on)) * i < 0.0:
+            return k, Feed(False, math.nan)
+    return steps, feed
+
+
+@njit(cache=True, nogil=True)
+def _account(
+    path: Array, stop: int, k0: int, force: float, impulse: float, feed: Feed, command: Array, on: Machine,
+    signals: Array, accounts: Array, q: Array, dq: Array,
+) -> None:  # fmt: skip
+    """Signals and accounts of the intervals of a step; `impulse` : of the box on all but the stinger, per interval."""
+    h = on.interval
+    stuck = not math.isnan(feed.limit)
+    for k in range(stop):
+        y, z = path[k], path[k + 1]
+        e_rate = 0.0
+        if feed.by_current:
+            i_rate = (z[I] - y[I]) / h
+            i_rate_end, e, e_end = i_rate, _voltage(y, i_rate, on), _voltage(z, i_rate, on)
+        else:
+            e = feed.limit if stuck else command[k0 + k]
+            e_end = feed.limit if stuck else command[k0 + k + 1]
+            e_rate = (e_end - e) / h
+            i_rate = (e - _voltage(y, 0.0, on)) / on.inductance
+            i_rate_end = (e_end - _voltage(z, 0.0, on)) / on.inductance
+        if feed.by_current:
+            aa, ab, _ = _rates(y, on, force)
+            e_rate = on.resistance * i_rate + on.force_constant * (aa - ab)
+        _powers(y, force, e, e_rate, i_rate, on, q, dq)
+        for s in range(SQUARE + 1):
+            accounts[s] += 0.5 * h * q[s] + h * h / 12.0 * dq[s]
+        if feed.by_current:
+            aa, ab, _ = _rates(z, on, force)
+            e_rate = on.resistance * i_rate + on.force_constant * (aa - ab)
+        _powers(z, force, e_end, e_rate, i_rate_end, on, q, dq)
+        for s in range(SQUARE + 1):
+            accounts[s] += 0.5 * h * q[s] - h * h / 12.0 * dq[s]
+        swing = on.force_constant * (z[XA] - z[XB] - y[XA] + y[XB])
+        if feed.by_current:
+            flow = 0.5 * h * (y[I] + z[I])
+            pressure = on.resistance * flow + on.inductance * (z[I] - y[I]) + swing
+        else:
+            pressure = 0.5 * h * (e + e_end)
+            flow = (pressure - on.inductance * (z[I] - y[I]) - swing) / on.resistance
+        signals[k0 + k, MOMENTUM] = on.box * (z[V] - y[V]) + on.damping * (z[X] - y[X]) + impulse
+        signals[k0 + k, SPEED] += z[V] - y[V]
+        signals[k0 + k, FLOW] = flow
+        signals[k0 + k, PRESSURE] = pressure
+        signals[k0 + k, GAUGE_MASS] = z[VA] - y[VA]
+        pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
+        accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
+        accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(z[I]))
+        accounts[MOST_TRAVEL] = max(accounts[MOST_TRAVEL], abs(z[XA] - z[XB]))
+        accounts[MOST_PULL] = max(accounts[MOST_PULL], -pull)
+        accounts[MOST_PUSH] = max(accounts[MOST_PUSH], pull)
+    if stuck:
+        accounts[LIMITED] += stop
+
+
+@njit(cache=True, nogil=True)
+def stretch(
+    on: Machine, around: Pull, feed: Feed, phi: Array, now: Array, following: Array, thrust: Array, command: Array,
+    y: Array, w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array,
+) -> tuple[Feed, Array, Array]:  # fmt: skip
+    """Advance exciter, box (`y`) and rows (`w`, `u`, `lo`, `hi`), in place, along the edges of a command.
+
+    Returns how the amplifier drives at the end, the signals, shape (intervals + 1, SIGNALS), and the accounts.
+    """
+    longest, intervals, rows, h = thrust.shape[1] - 1, command.shape[0] - 1, w.shape[0], on.interval
+    path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
+    signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
+    q, dq = np.empty(SQUARE + 1), np.empty(SQUARE + 1)
+    who, when = np.empty(rows, np.int64), np.empty(rows)
+    k0, guess = 0, 0.0
+    while k0 < intervals:
+        steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
+        time = steps * h
+        _free(y, steps, k0, feed, command, phi, now, following, on, path)
+        start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
+        end, total, air, guide = end_velocity(free - gain * time * guess, start, free, gain, time, around, w, lo, hi)
+        force = -total / time
+        guess = -force
+        for k in range(1, steps + 1):
+            for s in range(STATES):
+                path[k, s] += force * thrust[kind, k, s]
+            moved[k] = path[k, X] - y[X]
+        moved[0] = 0.0
+        count, first = reached(end, time, h, steps, around.pull, moved, w, u, lo, hi, play, who, when)
+        stop, after = _within(path, steps, k0, feed, command, on)
+        if count and first + 0.5 < stop:
+            stop, after = max(int(first + 0.5), 1), feed
+        part = stop * h
+        accounts[AIR] += air / time * moved[stop]
+        accounts[GUIDE] += guide / time * moved[stop]
+        rub, lean = carry(end, time, part, moved[stop], around, band, w, u, lo, hi)
+        accounts[FRICTION] += rub
+        accounts[COLLISION] += lean
+        _account(path, stop, k0, force, -force * h, feed, command, on, signals, accounts, q, dq)
+        for s in range(STATES):
+            y[s] = path[stop, s]
+        if count:
+            slow = abs(path[stop, V] - path[stop - 1, V])
+            behind, lost = collide(y[V], stop, h, slow, around, count, who, when, play, w, u, lo, hi)
+            signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
+            signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])
+            accounts[COLLISION] += lost
+            y[V] = behind
+        k0, feed = k0 + stop, after
+    return feed, signals, accounts
