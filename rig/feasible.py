@@ -63,9 +63,21 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
         beds = f"{', '.join(able)} ({', '.join(waiting)}: not built yet)" if waiting else ", ".join(able)
         found = f"axis {scene.axis} with bed {scene.bed}"
         yield Conflict(("scene.axis", "scene.bed"), found, f"horizontal for this bed; on this axis the beds {beds}")
+    if scene.bed == "slug":
+        yield from _slug(scene)
     if scene.axis != "horizontal" and scene.support == "guide":
         found = f"axis {scene.axis} with support guide, which carries the weight across the drive"
         yield Conflict(("scene.support", "scene.axis"), found, "none or cords on this axis")
+
+
+def _slug(scene: Scene) -> Iterator[Conflict]:
+    slug = scene.slug
+    if scene.axis != "horizontal" and slug.friction > 0.0:
+        found = f"friction {slug.friction:g} on axis {scene.axis}, where the slug lies on no floor along the drive"
+        yield Conflict(("scene.slug.friction", "scene.axis"), found, "0 on this axis")
+    if isinstance(slug.gap, float | int) and slug.start > slug.gap:
+        found = f"a start {slug.start:g} m above the floor"
+        yield Conflict(("scene.slug.start", "scene.slug.gap"), found, f"at most the gap, {slug.gap:g} m")
 
 
 def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:

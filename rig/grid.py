@@ -69,6 +69,11 @@ def expand(
     )
 
 
+ADDED = (("slug", "start", 0.0), ("slug", "velocity", 0.0))
+"""Fields of the scene younger than the first seeds, with the value that stands for what was before them: it is no content,
+so that a new field reseeds no old protocol."""
+
+
 def seed_key(scene: Scene, drive: Drive) -> str:
     """SHA-256 of the content that seeds a condition's streams, hex: losses, support, all of the drive but its level
     and frequency, and the acquisition are left out, so that the same bed is seen through other drives and instruments.
@@ -77,6 +82,9 @@ def seed_key(scene: Scene, drive: Drive) -> str:
     content = {"scene": asdict(scene), "drive": level}
     for name in ("losses", "support"):
         del content["scene"][name]
+    for group, name, before in ADDED:
+        if content["scene"][group][name] == before:
+            del content["scene"][group][name]
     text = json.dumps(_as_floats(content), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -30,7 +30,8 @@ def account(reaction: Reaction, kinetic_before: float, lost: Array, inertial: fl
     """Rows of `COLUMNS` for the cycles of a reaction, shape (cycles, columns).
 
     W_gauge is the work through the gauge plane: the box's kinetic energy (unchanged over whole cycles of a programmed
-    motion), the work at the contacts with the bed, and the losses of the channels `LOST` (J per cycle). Its balance is
+    motion), the work at the contacts with the bed, and the losses of the channels `LOST` (J per cycle). dKE_bed is the
+    change of the bed's energy, potential included where it has weight along the axis. The balance is
     W_gauge = dKE_box + dKE_bed + W_f + W_c + W_viscous + W_noise + W_air + W_gas + W_mount. `inertial` is pi M V^2, the
     scale of the energy that goes back and forth.
     """

@@ -4,15 +4,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rig.beds.stack import Stack, bed_mass, layer_count, nominal, stack
+from rig.beds.slug import slug, too_many_events
+from rig.beds.stack import Filling, Stack, bed_mass, layer_count, nominal, stack
 from rig.catalog.entries import Rig
 from rig.scene import Condition, Scene
 from rig.stand import box_mass
 from rig.theory.friction import friction_energy_per_slip, janssen_length
-from rig.theory.total import AVERAGED_CYCLES, Total, closed_tier, paper_collision, plastic_bound
+from rig.theory.slug import SlugTotal, slug_total
+from rig.theory.total import AVERAGED_CYCLES, TooManyEvents, Total, closed_tier, paper_collision, plastic_bound
 
 LEVELS = (0.97, 1.0, 1.03)
 """Levels, relative to the set acceleration, at which W_T is computed to be read at the measured acceleration."""
+
+SLUG_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
+"""The same for a slug: closer, since its orbit may be another one a little beside."""
+
+SLUG_AVERAGE = (256, 1024)
+"""Cycles that a slug's orbit without a period settles and is averaged at the levels beside the set one."""
+
+SLUG_REACH = 5
+"""Levels to either side of the set one among which the measured one is expected: 1 %."""
+
+SLUG_ERROR = 1e-9
+"""Relative error of a slug's W_T on an orbit with a period (tests/physics/test_slug_orbits.py)."""
 
 NUMERICAL_ERROR = 1e-3
 """Relative standard uncertainty of W_T's numerics: averaging of rows without a period (tests/physics)."""
@@ -35,6 +49,25 @@ class Prediction:
     bound: float
     period: int
     periodic_share: float
+    u_rel: float = NUMERICAL_ERROR
+
+
+def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> Total:
+    """W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
+    if scene.bed == "slug":
+        return slug_tier(scene, rig, filling, acceleration, frequency).total
+    return closed(scene, stack(scene, rig, filling), acceleration, frequency)
+
+
+def slug_tier(
+    scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float, *cycles: int
+) -> SlugTotal:
+    """The slug of one filling at one acceleration. Raises InputError where it bounces too often to be followed."""
+    bed = slug(scene, rig, filling)
+    try:
+        return slug_total(bed, acceleration, frequency, *cycles)
+    except TooManyEvents as error:
+        raise too_many_events(bed) from error
 
 
 def closed(scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES) -> Total:
@@ -70,6 +103,9 @@ def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
 def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
     """Both tiers of W_T and the bound for one condition on an exact sine at the set acceleration."""
     scene, drive = condition.scene, condition.drive
+    if scene.bed == "slug":
+        found = slug_tier(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
+        return _slug_prediction(condition, rig, found)
     bed = stack(scene, rig, nominal(scene, rig))
     return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
 
@@ -80,16 +116,55 @@ def predict_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str,
     The table is how W_T is read at the measured acceleration: plain numbers that another model's may replace.
     """
     scene, drive = condition.scene, condition.drive
+    if scene.bed == "slug":
+        return _slug_about(condition, rig)
     bed = stack(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
     totals = [closed(scene, bed, level, drive.frequency) for level in levels]
-    table = {
+    return _prediction(condition, rig, bed, totals[LEVELS.index(1.0)]), _table(levels, totals)
+
+
+def _table(levels: list[float], totals: list[Total]) -> dict[str, list[float]]:
+    return {
         "acceleration": levels,
         "W_T": [total.total for total in totals],
         "W_f": [total.friction for total in totals],
         "W_c": [total.collision for total in totals],
     }
-    return _prediction(condition, rig, bed, totals[LEVELS.index(1.0)]), table
+
+
+def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
+    """A slug's prediction and table. Where its orbit jumps between levels, W_T at the measured level is uncertain by
+    what reading each level off its neighbours gets wrong: half of a jump at the jump, evenly spread."""
+    scene, drive, filling = condition.scene, condition.drive, nominal(condition.scene, rig)
+    levels = [drive.acceleration * level for level in SLUG_LEVELS]
+    totals = [slug_tier(scene, rig, filling, level, drive.frequency, *SLUG_AVERAGE).total for level in levels]
+    set_level = len(levels) // 2
+    point = slug_tier(scene, rig, filling, drive.acceleration, drive.frequency)
+    totals[set_level] = point.total
+    W = np.array([total.total for total in totals[set_level - SLUG_REACH - 1 : set_level + SLUG_REACH + 2]])
+    off = float(np.abs(W[1:-1] - 0.5 * (W[:-2] + W[2:])).max())
+    jumps = off / np.sqrt(3.0) / point.total.total if point.total.total > 0.0 else 0.0
+    return _slug_prediction(condition, rig, point, jumps), _table(levels, totals)
+
+
+def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal, jumps: float = 0.0) -> Prediction:
+    scene = condition.scene
+    mass = bed_mass(scene, rig.packing_shaken)
+    return Prediction(
+        bed_mass=mass,
+        box_mass=box_mass(scene.cavity, rig.wall_density),
+        layers=layer_count(scene),
+        carried=mass > 0.0 and not found.moves,
+        W_f=found.total.friction,
+        W_c=found.total.collision,
+        W_T=found.total.total,
+        W_T_paper=0.0,
+        bound=found.bound,
+        period=found.total.period,
+        periodic_share=found.total.periodic_share,
+        u_rel=float(np.hypot(np.hypot(SLUG_ERROR, found.error), jumps)),
+    )
 
 
 def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Prediction:

@@ -10,7 +10,7 @@ from daq.channel import AnalyzerSpec
 from daq.seeds import stream
 from rig.catalog.entries import Rig
 from rig.gas import LEAST_SHARE, share_of_weight
-from rig.model import NUMERICAL_ERROR, Prediction, predict_about
+from rig.model import Prediction, predict_about
 from rig.scene import Condition, Protocol
 
 BLOCK = 16384
@@ -78,15 +78,20 @@ def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[flo
         "conditions": {
             name: {
                 **table,
-                "u_rel": NUMERICAL_ERROR,
+                "u_rel": point.u_rel,
                 "W_T_paper": point.W_T_paper,
-                "bound": point.bound,
+                "bound": _finite(point.bound),
                 "period": point.period,
                 "periodic_share": point.periodic_share,
             }
             for name, (point, table) in found.items()
         }
     }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity: an elastic slug has no bound."""
+    return value if math.isfinite(value) else None
 
 
 def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
@@ -135,4 +140,6 @@ def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
 
 def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:
     """One line of `rig model`."""
-    return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)}
+    return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)} | {
+        "bound": _finite(point.bound)
+    }

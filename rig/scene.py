@@ -12,7 +12,7 @@ from rig.units import Quantity
 
 SCHEMA = "rig/protocol/1"
 BEDS = ("empty", "locked", "dashpot", "slug", "layers", "grains")
-BUILT_BEDS = ("empty", "locked", "dashpot", "layers")
+BUILT_BEDS = ("empty", "locked", "dashpot", "slug", "layers")
 HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")
@@ -70,11 +70,15 @@ class Layers:
 
 @dataclass(frozen=True)
 class Slug:
-    """Bed `slug`: restitution, free gap in m (None = from the fill, "none" = no walls and no lid), friction."""
+    """Bed `slug`, all grains as one mass: restitution at floor, lid and end walls; free gap in m (None = from the fill,
+    "none" = no walls and no lid; a vertical box keeps its floor); friction coefficient of a horizontal box's floor;
+    where the mass starts, m above the floor or end wall (at most the gap), and how fast, m/s against the box."""
 
     restitution: Fraction = 0.0
     gap: Annotated[float | Literal["none"] | None, Quantity("length", 0.0, 20.0)] = None
     friction: Annotated[float, Quantity("number", 0.0, 10.0)] = 0.0
+    start: Annotated[float, Quantity("length", 0.0, 20.0)] = 0.0
+    velocity: Annotated[float, Quantity("velocity", -1000.0, 1000.0)] = 0.0
 
 
 @dataclass(frozen=True)

@@ -91,8 +91,9 @@ class BoxMeans:
 class Stand:
     """A `PhysicalSource`: force at the gauge (N) and acceleration of the box (m/s^2), means over the same intervals.
 
-    F_gauge = (M_box + m_gauge) a - F_bed - F_losses, forces on the box positive along the drive axis. The stream
-    starts with the motion and is endless; memory does not grow with it.
+    F_gauge = (M_box + m_gauge) a - F_bed - F_losses, forces on the box positive along the drive axis. On a vertical
+    axis the gauge also carries the weight of what moves, unless cords do: a mean force, which does no net work over a
+    cycle. The stream starts with the motion and is endless; memory does not grow with it.
     """
 
     names = ("force", "acceleration")
@@ -106,6 +107,8 @@ class Stand:
         gas = gas_damping(scene, rig, filling, motion) if "gas" in scene.losses else 0.0
         self._losses = losses_of(scene, rig, self._rigid + self._bed.mass, gas)
         self._lost = self._losses.energies(motion)
+        on_gauge = scene.axis == "vertical" and scene.support != "cords"
+        self.weight = (self._rigid + self._bed.mass) * rig.gravity if on_gauge else 0.0
         self._cords = Sampling(by_order(motion), rate / motion.frequency) if self._losses.cords else None
         self._kinetic = self._bed.kinetic_at_start
         self._inertial = np.pi * (self._rigid + self._bed.mass) * motion.velocity_unit**2
@@ -178,5 +181,5 @@ class Stand:
             if self._cords is not None:
                 position = self._cords.edges(self._cycles, CHUNK_CYCLES).position
                 lost += mean_cord_force(self._losses.cords, self.motion.omega, position, 1.0 / self.rate)
-            self._box = BoxMeans(edges, acceleration, self._rigid * acceleration - lost)
+            self._box = BoxMeans(edges, acceleration, self._rigid * acceleration + (self.weight - lost))
         return self._box

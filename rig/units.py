@@ -28,6 +28,7 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "force": {"N": _ONE, "kN": _KILO, "mN": _MILLI},
     "voltage": {"V": _ONE, "mV": _MILLI, "uV": _MICRO},
     "current": {"A": _ONE, "mA": _MILLI},
+    "velocity": {"m/s": _ONE, "mm/s": _MILLI},
     "acceleration": {"m/s^2": _ONE, "m/s2": _ONE, "g": _G, "mg": _G * _MILLI},
     "stiffness": {"N/m": _ONE, "kN/m": _KILO},
     "damping": {"N s/m": _ONE, "N*s/m": _ONE},

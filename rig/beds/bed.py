@@ -15,10 +15,12 @@ class Reaction:
 
     momentum : what the box has given the bed up to each sampling edge, N s, shape (edges,). The force on the box,
         averaged over an interval between edges, is minus its increment over the interval's length: an impact
-        counts whole in the interval in which it falls, and nothing is sampled at points.
+        counts whole in the interval in which it falls, and nothing is sampled at points. The impulse that carries
+        the bed's weight along the axis is left out: it grows for ever, and the stand knows it.
     work : work of the box on the bed in each cycle, J, shape (cycles,), found at the contacts
     friction, collision, viscous : losses in the bed in each cycle, J, shape (cycles,)
-    kinetic : kinetic energy of the bed at the end of each cycle, J, shape (cycles,)
+    kinetic : energy of the bed at the end of each cycle, J, shape (cycles,): kinetic, and potential where it has
+        weight along the axis
     repeats : period in cycles with which these and all following cycles come again to the last bit, on a grid that
         repeats with the cycle; 0 for none, or not known
     """
@@ -41,7 +43,7 @@ class Bed(Protocol):
 
     @property
     def kinetic_at_start(self) -> float:
-        """Kinetic energy of the bed when the motion starts, J."""
+        """Energy of the bed when the motion starts, J, counted as in `Reaction.kinetic`."""
 
     def advance(self, cycles: int) -> Reaction:
         """The next whole cycles of the drive."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from rig.beds.bed import Bed
 from rig.beds.layers import Layers
 from rig.beds.rigid import Dashpot, Locked
+from rig.beds.slug import SlugBed, slug
 from rig.beds.stack import Filling, bed_mass, stack
 from rig.catalog.entries import Rig
 from rig.drive.sampling import Sampling
@@ -14,6 +15,7 @@ BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "empty": lambda _scene, _rig, _filling, sampling: Locked(0.0, sampling),
     "locked": lambda scene, _rig, filling, sampling: Locked(bed_mass(scene, filling.packing), sampling),
     "dashpot": lambda scene, _rig, _filling, sampling: Dashpot(scene.dashpot.c, sampling),
+    "slug": lambda scene, rig, filling, sampling: SlugBed(slug(scene, rig, filling), sampling),
     "layers": lambda scene, rig, filling, sampling: Layers(stack(scene, rig, filling), sampling),
 }
-"""Bed by name: (scene, rig, filling, sampling) -> a bed at rest in the box at the start of the motion."""
+"""Bed by name: (scene, rig, filling, sampling) -> a bed at the start of the motion."""

@@ -13,12 +13,12 @@ from daq.channel import ChannelInfo
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
 from daq.seeds import stream
-from rig.beds.stack import nominal, refill, stack
+from rig.beds.stack import nominal, refill
 from rig.campaign.setup import PASS_BAND, Campaign
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform
 from rig.ledger import COLUMNS
-from rig.model import closed, predict
+from rig.model import predict, total_of
 from rig.scene import Condition
 from rig.stand import Stand
 
@@ -112,7 +112,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         acceleration=drive.acceleration,
         samples_per_cycle=rate / drive.frequency,
         exciter=use,
-        range_force=_range_use(channels[0], use.peak * rig.exciter.force_peak),
+        range_force=_range_use(channels[0], use.peak * rig.exciter.force_peak + stand.weight),
         range_acceleration=_range_use(channels[1], drive.acceleration),
         W_T=point.W_T,
         W_exp=lost,
@@ -152,8 +152,9 @@ def _scatter(campaign: Campaign, condition: Condition) -> float:
         return 0.0
     scene, drive, rig = condition.scene, condition.drive, campaign.rig
     rng = stream(campaign.protocol.seed, condition.seed_key, "preflight")
-    beds = [stack(scene, rig, refill(scene, rig, rng)) for _ in range(POURINGS)]
-    return float(np.std([closed(scene, bed, drive.acceleration, drive.frequency).total for bed in beds], ddof=1))
+    fillings = [refill(scene, rig, rng) for _ in range(POURINGS)]
+    W = [total_of(scene, rig, filling, drive.acceleration, drive.frequency).total for filling in fillings]
+    return float(np.std(W, ddof=1))
 
 
 def _range_use(channel: ChannelInfo, peak: float) -> float:

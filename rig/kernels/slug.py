@@ -1,13 +1,4 @@
-"""One mass in a free gap of a box in programmed motion, event by event: walls, weight along the axis, or a rough floor.
-
-The mass is one, lengths and times are those of the waveform. q is its position in the box, u = q' its velocity
-against the box. Walls at `lower` and `upper` (infinite where there is none) give back `restitution` of a closing speed;
-`weight` pulls towards the lower one; `band` is Coulomb friction against the box. Between events the motion is closed
-form (rig.kernels.flight), event phases are bracketed roots: between two phases at which the relative acceleration
-changes its sign, the velocity is monotonic, so that no passage through a wall can be missed.
-
-Bouncing that dies out on a wall (Zeno) is ended once what that leaves out is proven negligible, see `_dies_out`.
-"""
+"""A slug over many cycles: followed, in its steady state, on a sampling grid (one cycle: rig.kernels.slug_cycle)."""
 
 import math
 from typing import NamedTuple
@@ -15,17 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.flight import at, drift, reach, turn
-from rig.kernels.waveform import TWO_PI, Array, Ints, crossings, extrema
+from rig.kernels.slug_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
+from rig.kernels.waveform import TWO_PI, Array, Ints
 
-MAX_EVENTS = 65536
-"""Events in one cycle; a slug that needs more (elastic with a tiny gap or a tiny bounce) is refused."""
-
-NEGLIGIBLE = 1e-13
-"""Share of the energy of a series of bounces that its end may leave out."""
-
-STEADY = 1e-3
-"""Largest relative change of the push on a wall while a series of bounces dies out."""
+__all__ = ["MAX_EVENTS", "Cycles", "State", "Steady", "World", "follow", "no_events", "run", "steady", "world"]
 
 LOOK_BACK = 512
 """Longest period looked for, in cycles of the drive."""
@@ -36,242 +20,58 @@ SAME = 1e-12
 SETTLE, AVERAGE, BATCHES = 1024, 4096, 16
 """Cycles left out and averaged where an orbit has no period, and parts of the average whose scatter tells its error."""
 
-PASS, STOP, LOW, HIGH = 0, 1, 2, 3
-"""How a piece of a stretch ends: nothing happens, at rest in the box, at the lower wall, at the upper wall."""
 
+class Cycles(NamedTuple):
+    """What a slug did in some cycles: a line for each.
 
-class World(NamedTuple):
-    """What the slug lives in, units of the waveform. jerk : the fastest that the box's acceleration can change."""
-
-    weight: float
-    band: float
-    lower: float
-    upper: float
-    restitution: float
-    jerk: float
-
-
-class State(NamedTuple):
-    """mode : 0 rests in the box, 1 moves, +1 and -1 slides towards that side of a rough floor."""
-
-    mode: int
-    q: float
-    u: float
-
-
-class Events(NamedTuple):
-    """What starts at each event: phase, mode, velocity in the laboratory, each of shape (MAX_EVENTS,)."""
-
-    phase: Array
-    mode: Ints
-    w: Array
-
-
-class Cycle(NamedTuple):
-    """A slug at the end of a cycle and what happened in it.
-
-    events : their number, -1 for more than `MAX_EVENTS`; roots : steps of root searches; high : hits of the upper wall
-    work : of the box on the slug; friction, collision : losses
+    state : mode, q, u at its end, shape (cycles, 3)
+    energy : work on the slug, friction, collision, and kinetic with potential energy at its end, shape (cycles, 4)
+    counts : events (-1: more than `MAX_EVENTS`, nothing behind it), steps of root searches, hits of the upper wall,
+        shape (cycles, 3)
     """
 
-    mode: int
-    q: float
-    u: float
-    events: int
-    roots: int
-    high: int
-    work: float
-    friction: float
-    collision: float
+    state: Array
+    energy: Array
+    counts: Ints
 
 
-def no_events() -> Events:
-    """Room for the events of one cycle."""
-    return Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
-
-
-def world(
-    weight: float, band: float, lower: float, upper: float, restitution: float, P: Array, Q: Array
-) -> tuple[World, Array]:
-    """A slug's world on a waveform, and its table: lines of phase, box position, box velocity and region behind.
-
-    region : -1 where a free slug is pushed up against the box, +1 where it is pushed down, 0 where friction holds it
-    The first line is phase 0, the last 2 pi, the others are where the region changes.
-    """
-    if weight and band:
-        raise ValueError("weight along the axis and friction of a floor do not go together")
-    harmonics = np.arange(1, P.size + 1)
-    jerk = float(np.sum(harmonics * np.hypot(P, Q)))
-    lines = crossings(np.array([weight or band]), P, Q, extrema(P, Q)).tables[0]
-    if band == 0.0:
-        lines[:, 3] = np.where(lines[:, 3] == -1.0, -1.0, 1.0)
-    inner = np.flatnonzero(lines[1:, 0] < TWO_PI) + 1
-    changed = inner[lines[inner, 3] != lines[inner - 1, 3]]
-    return World(weight, band, lower, upper, restitution, jerk), lines[np.concatenate(([0], changed, [-1]))]
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _thrown(region: int, q: float, world: World) -> int:
-    """Direction in which a slug at rest is pushed off, where there is room; 0 for none."""
-    if region == -1 and q < world.upper:
-        return 1
-    if region == 1 and q > world.lower:
-        return -1 if world.band > 0.0 else 1
-    return 0
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _dies_out(back: float, largest: float, push: float, world: World) -> bool:
-    """Whether a slug that leaves a wall at speed `back` under the push g may as well stay there.
-
-    With constant g it would bounce for T = 2 back/(g (1 - e)) and lose back^2/2, which is what staying counts. The
-    push changes by J T at most, J the jerk: as a share, by s = J T/g. For s << 1 it comes to rest before it is thrown
-    again, so that its later motion is the same, and its loss is back^2/2 + integral g' q dt, with q <= back^2/(2 g):
-    off by at most s back^2/2 (1 + O(s)). `largest` is the fastest hit of the series, which lost (1 - e^2) largest^2/2.
-    On a rough floor friction takes its part of back^2/2, so that this has to be negligible as a whole.
-    """
-    e = world.restitution
-    if not (push > 0.0 and e < 1.0):
-        return False
-    share = 2.0 * world.jerk * back / (push * push * (1.0 - e))
-    least = NEGLIGIBLE * (1.0 - e * e) * largest * largest
-    return share < STEADY and (share if world.band == 0.0 else 1.0) * back * back < least
+def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> Cycles:
+    """Follow a slug from a start at phase 0 through whole cycles."""
+    return Cycles(*_run(*start, world, table, P, Q, no_events(), cycles))
 
 
 @njit(cache=True, nogil=True)
-def _next(
-    t1: float, d1: float, u1: float, t2: float, d2: float, u2: float, rises: bool, low: float, high: float,
-    rough: bool, u0: float, a0: float, S: Array, C: Array,
-) -> tuple[int, float, int]:  # fmt: skip
-    """First event of the piece (t1, t2] of a stretch, its time, and the steps of root searches.
-
-    The relative velocity rises (or falls) throughout the piece. low, high : displacements at which the walls stand
-    """
-    sense = 1.0 if rises else -1.0
-    before, ahead = (low, high) if rises else (high, low)
-    roots = 0
-    if sense * u1 < 0.0:
-        end, hits = t2, sense * (d2 - before) <= 0.0
-        if sense * u2 > 0.0:
-            hits = False
-            if rough or sense * (d1 + u1 * (t2 - t1) - before) <= 0.0:
-                end, roots = turn(t1, u1, t2, u2, u0, a0, S, C)
-                hits = sense * (drift(end, u0, a0, S, C)[0] - before) <= 0.0
-                if rough and not hits:
-                    return STOP, end, roots
-        if hits:
-            t, steps = reach(t1, end, end, before, -sense, u0, a0, S, C)
-            return LOW if rises else HIGH, t, roots + steps
-    if sense * u2 > 0.0 and sense * (d2 - ahead) >= 0.0:
-        guess = t2
-        if u0 == 0.0:
-            guess = t2 * (ahead / d2) ** (1.0 / 3.0) if t1 == 0.0 else min(2.0 * t1, t2)
-        elif t1 == 0.0 and ahead == 0.0 and u0 * a0 < 0.0:
-            guess = min(-2.0 * u0 / a0, t2)
-        t, steps = reach(t1, t2, guess, ahead, sense, u0, a0, S, C)
-        return HIGH if rises else LOW, t, roots + steps
-    return PASS, t2, roots
-
-
-@njit(cache=True, nogil=True)
-def cycle(
-    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, S: Array, C: Array, events: Events
-) -> Cycle:
-    """Advance a slug by one cycle of the drive; its events go to `events`. S, C : room for the harmonics.
-
-    One function on purpose: the state of a stretch in a record of its own costs a third more.
-    """
-    event_phase, event_mode, event_w = events
-    theta, x, v, region, line = 0.0, table[0, 1], table[0, 2], int(table[0, 3]), 1
-    last = table.shape[0] - 1
-    weight, band = world.weight, world.band
-    n, roots, high = 0, 0, 0
-    work, friction, collision, largest = 0.0, 0.0, 0.0, 0.0
-    a0 = 0.0
-    if mode != 0:
-        a0 = -at(0.0, P, Q, S, C)[2] - weight - mode * band
-    while True:
-        if mode == 0:
-            start_x, start_v = x, v
-            mode = _thrown(region, q, world)
-            a0 = -at(theta, P, Q, S, C)[2] - weight - mode * band if mode != 0 else 0.0
-            while mode == 0 and theta < TWO_PI:
-                theta, x, v, region = table[line, 0], table[line, 1], table[line, 2], int(table[line, 3])
-                if line < last:
-                    line += 1
-                    mode = _thrown(region, q, world)
-                    if mode != 0:
-                        at(theta, P, Q, S, C)
-            work += 0.5 * (v * v - start_v * start_v) + weight * (x - start_x)
-            if mode == 0:
-                return Cycle(0, q, 0.0, n, roots, high, work, friction, collision)
-            u, largest = 0.0, 0.0
-            if n >= MAX_EVENTS:
-                return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
-            event_phase[n], event_mode[n], event_w[n] = theta, mode, v
-            n += 1
-        start, start_x, low, top = theta, x, world.lower - q, world.upper - q
-        t1, d1, u1 = 0.0, 0.0, u
-        while True:
-            t2 = table[line, 0] - start
-            d2, u2, _ = drift(t2, u, a0, S, C)
-            rises = region == -1 or (region == 0 and mode == -1)
-            kind, t, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, band > 0.0, u, a0, S, C)
-            roots += steps
-            if kind != PASS or line == last:
-                break
-            t1, d1, u1, region = t2, d2, u2, int(table[line, 3])
-            line += 1
-        d, slip, _ = (d2, u2, 0.0) if kind == PASS else drift(t, u, a0, S, C)
-        if kind == LOW:
-            d = low
-        elif kind == HIGH:
-            d = top
-        if band > 0.0:
-            friction += band * abs(d)
-        if kind == PASS:
-            q, u = min(max(q + d, world.lower), world.upper), u2
-            work -= mode * band * (table[last, 1] - start_x)
-            return Cycle(mode, q, u, n, roots, high, work, friction, collision)
-        theta = min(start + t, table[line, 0])
-        x, v, a = at(theta, P, Q, S, C)
-        work -= mode * band * (x - start_x)
-        q, u = q + d, 0.0
-        if kind != STOP:
-            sense = 1.0 if kind == HIGH else -1.0
-            q = world.upper if kind == HIGH else world.lower
-            high += kind == HIGH
-            closing = max(sense * slip, 0.0)
-            back = world.restitution * closing
-            largest = max(largest, closing)
-            if _dies_out(back, largest, -sense * (a + weight) - band, world):
-                back = 0.0
-            collision += 0.5 * (closing * closing - back * back)
-            work -= sense * (closing + back) * v
-            u = -sense * back
-        if u != 0.0:
-            mode = (1 if u > 0.0 else -1) if band > 0.0 else 1
-        else:
-            mode = _thrown(region, q, world)
-            largest = 0.0
-        if n >= MAX_EVENTS:
-            return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
-        event_phase[n], event_mode[n], event_w[n] = theta, mode, v + u
-        n += 1
-        a0 = -a - weight - mode * band
+def _run(
+    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, cycles: int
+) -> tuple[Array, Array, Ints]:
+    state, energy, count = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    v = table[0, 2]
+    for k in range(cycles):
+        after = cycle(mode, q, u, world, table, P, Q, S, C, events)
+        mode, q, u = after.mode, after.q, after.u
+        state[k, 0], state[k, 1], state[k, 2] = mode, q, u
+        energy[k, 0], energy[k, 1], energy[k, 2] = after.work, after.friction, after.collision
+        energy[k, 3] = 0.5 * (v + u) ** 2 + world.weight * q
+        count[k, 0], count[k, 1], count[k, 2] = after.events, after.roots, after.high
+        if after.events < 0:
+            break
+    return state, energy, count
 
 
 class Steady(NamedTuple):
     """A slug's mean cycle in its steady state.
 
     period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS`
-    lid : whether it hits the upper wall; error : standard error of the mean of the losses, 0 for an orbit with a period
+    lid : whether it hits the upper wall; moves : whether it moves in the box at all
+    error : standard error of the mean of the losses, 0 for an orbit with a period
     """
 
     friction: float
     collision: float
     period: int
     lid: bool
+    moves: bool
     error: float
 
 
@@ -312,67 +112,78 @@ def steady(
 def _steady(
     mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, settle: int,
     average: int,
-) -> tuple[float, float, int, bool, float]:  # fmt: skip
+) -> tuple[float, float, int, bool, bool, float]:  # fmt: skip
     S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
-    history = np.zeros((LOOK_BACK, 6))
-    friction, collision, lid = 0.0, 0.0, False
+    history = np.zeros((LOOK_BACK, 7))
+    friction, collision, lid, moves = 0.0, 0.0, False, False
     batches = np.zeros(BATCHES)
     walls = world.upper < np.inf or world.lower > -np.inf
     for n in range(settle + average):
         back = _recurrence(history, n, mode, q, u, walls)
         if back > 0:
-            lost = np.zeros(3)
+            lost = np.zeros(4)
             for b in range(1, back + 1):
                 lost += history[(n - b) % LOOK_BACK, 3:] / back
-            return lost[0], lost[1], back, lost[2] > 0.0, 0.0
+            return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
         if after.events < 0:
-            return friction, collision, -1, lid, 0.0
+            return friction, collision, -1, lid, True, 0.0
         line = history[n % LOOK_BACK]
         line[0], line[1], line[2] = mode, q, u
-        line[3], line[4], line[5] = after.friction, after.collision, after.high
+        line[3], line[4], line[5], line[6] = after.friction, after.collision, after.high, after.events
         mode, q, u = after.mode, after.q, after.u
         if n >= settle:
             friction += after.friction / average
             collision += after.collision / average
             lid = lid or after.high > 0
+            moves = moves or mode != 0 or after.events > 0
             batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
-    return friction, collision, 0, lid, float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
+    return friction, collision, 0, lid, moves, float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
 
 
-class Cycles(NamedTuple):
-    """What a slug did in some cycles: a line for each.
+def follow(
+    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, start: State, world: World,
+    table: Array, P: Array, Q: Array, events: Events,
+) -> tuple[Array, Cycles]:  # fmt: skip
+    """Advance a slug through cycles of a sampling grid: its momentum, times `scale`, at the edges, and the cycles.
 
-    state : mode, q, u at its end, shape (cycles, 3)
-    energy : work on the slug, friction, collision, and kinetic with potential energy at its end, shape (cycles, 4)
-    counts : events (-1: more than `MAX_EVENTS`, nothing behind it), steps of root searches, hits of the upper wall,
-        shape (cycles, 3)
+    Edge j lies at phase 2 pi j / per_cycle from the start of the motion; velocity : of the box there, shape (edges,)
     """
-
-    state: Array
-    energy: Array
-    counts: Ints
-
-
-def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> Cycles:
-    """Follow a slug from a start at phase 0 through whole cycles."""
-    return Cycles(*_run(*start, world, table, P, Q, no_events(), cycles))
+    momentum, state, energy, counts = _follow(
+        first_cycle, cycles, per_cycle, velocity, scale, *start, world, table, P, Q, events, *events
+    )
+    return momentum, Cycles(state, energy, counts)
 
 
 @njit(cache=True, nogil=True)
-def _run(
-    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, cycles: int
-) -> tuple[Array, Array, Ints]:
-    state, energy, count = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+def _follow(
+    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, mode: int, q: float, u: float,
+    world: World, table: Array, P: Array, Q: Array, events: Events, phase: Array, modes: Ints, w: Array,
+) -> tuple[Array, Array, Array, Ints]:  # fmt: skip
+    state, energy, counts = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
     S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    momentum = np.empty(velocity.shape[0])
     v = table[0, 2]
+    origin = math.ceil(first_cycle * per_cycle)
     for k in range(cycles):
+        before, since, speed = mode, 0.0, v + u
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
         mode, q, u = after.mode, after.q, after.u
         state[k, 0], state[k, 1], state[k, 2] = mode, q, u
         energy[k, 0], energy[k, 1], energy[k, 2] = after.work, after.friction, after.collision
         energy[k, 3] = 0.5 * (v + u) ** 2 + world.weight * q
-        count[k, 0], count[k, 1], count[k, 2] = after.events, after.roots, after.high
+        counts[k, 0], counts[k, 1], counts[k, 2] = after.events, after.roots, after.high
         if after.events < 0:
             break
-    return state, energy, count
+        offset = (first_cycle + k) * per_cycle
+        e, last = math.ceil(offset), math.ceil((first_cycle + k + 1) * per_cycle)
+        for n in range(after.events + 1):
+            end = min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last) if n < after.events else last
+            slope = -(world.weight + before * world.band)
+            for j in range(e, end):
+                now = TWO_PI * (j - offset) / per_cycle
+                momentum[j - origin] = scale * (velocity[j - origin] if before == 0 else speed + slope * (now - since))
+            e = max(e, end)
+            if n < after.events:
+                before, since, speed = modes[n], phase[n], w[n]
+    return momentum, state, energy, counts

@@ -57,8 +57,12 @@ def line(text: str, **changes: list[str]) -> str:
         ("scene: {losses: noise}", ["found 'noise'", "a list of noise, air, gas, mount"]),
         ("scene: {bed: empty, axis: vertical, support: guide}", ["support guide", "none or cords on this axis"]),
         ("scene: {bed: layer}", ["found 'layer'", "did you mean 'layers'?"]),
-        ("scene: {bed: slug}", ["the bed slug, not built yet", "empty, locked, dashpot, layers"]),
-        ("scene: {bed: grains}", ["the bed grains, not built yet"]),
+        ("scene: {bed: grains}", ["the bed grains, not built yet", "empty, locked, dashpot, slug, layers"]),
+        (
+            "scene: {bed: slug, axis: vertical, slug: {friction: 0.3}}",
+            ["scene.slug.friction: found friction 0.3 on axis vertical", "allowed: 0 on this axis"],
+        ),
+        ("scene: {bed: slug, slug: {gap: 5 mm, start: 6 mm}}", ["scene.slug.start: found a start 0.006 m", "0.005 m"]),
         (
             "scene: {axis: vertical}",
             ["scene.axis: found axis vertical with bed layers", "empty, locked, dashpot, slug"],
@@ -85,7 +89,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("vary: {zip: {scene.bed: [layers], drive.frequency: [1, 2]}}", ["1 values of scene.bed", "equal length"]),
         ("vary: {scene.grains: [{}], scene.grains.fill: [1]}", ["scene.grains.fill beside scene.grains"]),
         ("vary:\n  drive.frequency:\n  - 10\n  - 10.0", ["protocol:6: drive.frequency", "stands in the grid already"]),
-        ("vary:\n  scene.bed:\n  - empty\n  - slug", ["protocol:6: scene.bed: found the bed slug"]),
+        ("vary:\n  scene.bed:\n  - empty\n  - grains", ["protocol:6: scene.bed: found the bed grains"]),
         ("repeats: 0", ["repeats.n: found 0", "at least 1"]),
         ("repeats: [4]", ["repeats: found a list"]),
         ("seed: -1", ["seed: found -1"]),
@@ -153,7 +157,7 @@ def test_a_flood_of_mistakes_is_cut() -> None:
 @pytest.mark.parametrize(
     ("changes", "start"),
     [
-        ({"sets": ["scene.bed=slug"]}, "--set scene.bed=slug: scene.bed: found the bed slug"),
+        ({"sets": ["scene.bed=grains"]}, "--set scene.bed=grains: scene.bed: found the bed grains"),
         ({"sets": ["scene.bd=slug"]}, "--set scene.bd=slug: scene.bd: found the key 'bd'"),
         ({"sets": ["scene.bed"]}, "--set scene.bed: found 'scene.bed'; allowed: path=value"),
         ({"sets": ["=3"]}, "--set =3: found '=3'"),
@@ -163,7 +167,10 @@ def test_a_flood_of_mistakes_is_cut() -> None:
         ({"sets": ["scene.axis=vertical"]}, "--set scene.axis=vertical: scene.axis: found axis vertical"),
         ({"varies": ["scene.grains.fill=[0.5, 85]"]}, "--vary scene.grains.fill=[0.5, 85]: vary.scene.grains.fill: "),
         ({"varies": ["scene.grains.fill=0.5"]}, "--vary scene.grains.fill=0.5: vary.scene.grains.fill: found 0.5"),
-        ({"varies": ["scene.bed=[layers, slug]"]}, "--vary scene.bed=[layers, slug]: scene.bed: found the bed slug"),
+        (
+            {"varies": ["scene.bed=[layers, grains]"]},
+            "--vary scene.bed=[layers, grains]: scene.bed: found the bed grains",
+        ),
     ],
 )
 def test_command_line_changes_carry_their_place(changes: dict[str, list[str]], start: str) -> None:

@@ -53,7 +53,14 @@ scenes = st.builds(
     losses=losses,
     support=st.sampled_from(("none", "cords", "guide")),
     layers=st.builds(Layers, st.floats(0, 1000), fractions, st.integers(1, 500), st.booleans()),
-    slug=st.builds(Slug, fractions, st.none() | st.just("none") | st.floats(0, 20), st.floats(0, 10)),
+    slug=st.builds(
+        Slug,
+        fractions,
+        st.none() | st.just("none") | st.floats(0, 20),
+        st.floats(0, 10),
+        st.just(0.0),
+        st.floats(-9, 9),
+    ),
     dashpot=st.builds(Dashpot, st.floats(0, 1e9)),
 )
 drives = st.builds(
