@@ -70,7 +70,7 @@ def expand(
 
 
 ADDED = (("slug", "start", 0.0), ("slug", "velocity", 0.0))
-"""Fields of the scene younger than the first seeds, with the value that stands for what was before them: it is no content,
+"""Fields of the scene younger than the first seeds, with the value that stands for what was before: it is no content,
 so that a new field reseeds no old protocol."""
 
 
