@@ -239,10 +239,7 @@ def cycle(
             collision += 0.5 * (closing * closing - back * back)
             work -= sense * (closing + back) * v
             u = -sense * back
-        if u != 0.0:
-            mode = (1 if u > 0.0 else -1) if band > 0.0 else 1
-        else:
-            mode = _thrown(region, q, world)
+        mode = _thrown(region, q, world) if u == 0.0 else -1 if band > 0.0 and u < 0.0 else 1
         if n >= MAX_EVENTS:
             return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
         event_phase[n], event_mode[n], event_w[n] = theta, mode, v + u
