@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 
 __all__ = [
+    "COUPLINGS",
+    "SPOTS",
     "AnalyzerSpec",
     "Channel",
     "ChannelInfo",
@@ -27,6 +29,8 @@ Quantity = Literal["force", "acceleration", "voltage", "current"]
 
 REFERENCE_RANGE = 10.0  # V, at which AnalyzerSpec.noise_rms is stated
 REFERENCE_RATE = 51200.0  # Hz, at which AnalyzerSpec.noise_rms is stated
+COUPLINGS = ("DC", "AC", "IEPE")
+SPOTS = (1.0, 10.0, 100.0, 1000.0)  # Hz, at which a sheet states its noise density
 LISTED_RATES = (102400.0, *(51200.0 / n for n in range(1, 32)))  # Hz, hardware.md: 102.4 kS/s and 51.2 kS/s / n
 
 
@@ -42,6 +46,10 @@ class TransducerSpec:
     1 / (2 pi time_constant) Hz), None for a response down to DC. time_constant_spread: relative, sigma of a
     lognormal. noise_rms: unit, white over 0..noise_bandwidth (Hz). calibration_U: relative expanded uncertainty
     (k = 2) of the sensitivity. statuses: field name -> sourced, recalled, computed or assumed.
+
+    Left out unless given: linearity, largest deviation over full scale; resonance, Hz, with its damping ratio;
+    noise_spots, noise density in unit/sqrt(Hz) at `SPOTS`, with which noise rises towards low frequencies (1/f) and
+    its white part is the last spot; clips_at, V at which an IEPE sensor's own amplifier clips, None for other sensors.
     """
 
     model: str
@@ -55,10 +63,24 @@ class TransducerSpec:
     noise_bandwidth: float
     calibration_U: float
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+    linearity: float | None = None
+    resonance: float | None = None
+    resonance_damping: float = 0.0
+    noise_spots: tuple[float, ...] = ()
+    clips_at: float | None = None
 
     def noise_in_band(self, rate: float) -> float:
-        """Rms noise (unit) that lies in 0..rate/2, the band of a record at `rate` (Hz)."""
-        return self.noise_rms * math.sqrt(min(rate / 2, self.noise_bandwidth) / self.noise_bandwidth)
+        """Rms white noise (unit) that lies in 0..rate/2, the band of a record at `rate` (Hz)."""
+        band = min(rate / 2, self.noise_bandwidth)
+        if self.noise_spots:
+            return self.noise_spots[-1] * math.sqrt(band)
+        return self.noise_rms * math.sqrt(band / self.noise_bandwidth)
+
+    @property
+    def flicker(self) -> float:
+        """1/f noise: density (unit/sqrt(Hz)) at 1 Hz of the K/f that no spot lies above; 0 without spots."""
+        excess = (f * max(s**2 - self.noise_spots[-1] ** 2, 0.0) for f, s in zip(SPOTS, self.noise_spots, strict=False))
+        return math.sqrt(max(excess, default=0.0))
 
 
 @dataclass(frozen=True)
@@ -68,7 +90,9 @@ class AnalyzerSpec:
     rates: listed output rates in Hz. oversampling: input intervals per output sample. bits: of the converter.
     ranges: V, each meaning +- that value. noise_rms: V rms in the output band at the 10 V range and 51.2 kS/s.
     gain_tolerance: relative half-width of a rectangular distribution, per channel. clock_ppm: half-width of a
-    rectangular distribution of the common clock's error, in 1e-6.
+    rectangular distribution of the common clock's error, in 1e-6. channels: how many it samples at once. ac_corner: Hz,
+    high-pass of the couplings AC and IEPE, with the relative half-width ac_tolerance of each channel's own. skew:
+    s, half-width of the delay between channels (rectangular).
     """
 
     model: str
@@ -80,6 +104,10 @@ class AnalyzerSpec:
     gain_tolerance: float = 0.003
     clock_ppm: float = 50.0
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+    channels: int = 8
+    ac_corner: float = 0.5
+    ac_tolerance: float = 0.1
+    skew: float = 0.0
 
     def rate_for(self, frequency: float, samples_per_cycle: float) -> float:
         """Slowest listed rate (Hz) that gives at least `samples_per_cycle` at `frequency` (Hz); else NoSuchRate."""
@@ -118,13 +146,18 @@ def ideal_transducer(quantity: Quantity) -> TransducerSpec:
 
 
 def ideal_analyzer() -> AnalyzerSpec:
-    """An analyzer without noise, gain error or clock error. It still filters, samples and rounds to 24 bit codes."""
-    return AnalyzerSpec("ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0)
+    """An analyzer without noise, error of gain or clock, or scatter of its AC corners. It still filters, samples and
+    rounds to 24 bit codes."""
+    return AnalyzerSpec("ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0, ac_tolerance=0.0)
 
 
 @dataclass(frozen=True)
 class Channel:
-    """The certified state of a channel: what the laboratory knows and the file says. range_V: +- that value in V."""
+    """The certified state of a channel: what the laboratory knows and the file says.
+
+    range_V: +- that value in V. corner: Hz, of the coupling's high-pass; None for coupling DC. skew: s by which the
+    channel is sampled late.
+    """
 
     name: str
     transducer: TransducerSpec
@@ -133,36 +166,52 @@ class Channel:
     direction: str
     calibration_date: str = ""
     coupling: str = "DC"
+    corner: float | None = None
+    skew: float = 0.0
 
 
 @dataclass(frozen=True)
 class ChannelState:
-    """The actual state of a channel. sensitivity: V per unit; time_constant: s, None for DC; gain: of the analyzer."""
+    """The actual state of a channel.
+
+    sensitivity: V per unit; time_constant: s, None for DC; gain: of the analyzer; corner: Hz, of the coupling, None for
+    DC; skew: s, sampled so much late; bend: quadratic and cubic part of the response over full scale, b2 and b3 in
+    x (1 + b2 x/X + b3 (x/X)^2).
+    """
 
     sensitivity: float
     time_constant: float | None
     gain: float
+    corner: float | None = None
+    skew: float = 0.0
+    bend: tuple[float, float] = (0.0, 0.0)
 
 
 def certified_state(channel: Channel) -> ChannelState:
     """The state in which the instrument is exactly what its certificate says."""
-    return ChannelState(channel.transducer.sensitivity, channel.transducer.time_constant, 1.0)
+    spec = channel.transducer
+    return ChannelState(spec.sensitivity, spec.time_constant, 1.0, channel.corner, channel.skew)
 
 
 def draw_state(channel: Channel, analyzer: AnalyzerSpec, rng: np.random.Generator) -> ChannelState:
     """Draw a channel's actual state from its certificate.
 
     Sensitivity: normal, standard uncertainty calibration_U / 2. Time constant: lognormal about the certified value.
-    Gain: rectangular, 1 +- gain_tolerance. Always the same three draws, so that leaving the pole out changes no other.
+    Gain, AC corner, skew: rectangular, within the analyzer's tolerances. Bend: two rectangular halves of the linearity.
+    Always the same draws in the same order, so that leaving one out changes no other.
     """
     spec = channel.transducer
     z_sensitivity, z_pole = rng.standard_normal(2)
     u_gain = rng.uniform(-1.0, 1.0)
-    pole = spec.time_constant
+    u_corner, u_skew, u_even, u_odd = rng.uniform(-1.0, 1.0, 4).tolist()
+    pole, corner, half = spec.time_constant, channel.corner, (spec.linearity or 0.0) / 2
     return ChannelState(
         sensitivity=spec.sensitivity * (1 + spec.calibration_U / 2 * float(z_sensitivity)),
         time_constant=None if pole is None else pole * math.exp(spec.time_constant_spread * float(z_pole)),
         gain=1 + analyzer.gain_tolerance * float(u_gain),
+        corner=None if corner is None else corner * (1 + analyzer.ac_tolerance * u_corner),
+        skew=channel.skew + analyzer.skew * u_skew,
+        bend=(half * u_even, half * u_odd),
     )
 
 
@@ -179,6 +228,9 @@ class ChannelInfo:
     (certified). time_constant: s, None for DC. filter_delay: samples; drive time of sample n = (n - filter_delay) /
     rate + skew. skew: s. calibration_U: relative, k = 2. gain_tolerance, time_constant_spread: relative (rectangular
     half-width, lognormal sigma). clock_ppm: rectangular half-width, 1e-6. noise_rms: unit, in the band of the record.
+    corner: Hz, high-pass of the coupling, 0 for DC; corner_tolerance: relative; skew_tolerance: s (rectangular
+    half-widths). flicker: unit/sqrt(Hz) at 1 Hz of the noise's 1/f part. full_scale: unit, 0 where not stated.
+    linearity: over full scale, 0 for none. clips_at: V at which the sensor clips, 0 where it does not.
     """
 
     name: str
@@ -201,6 +253,19 @@ class ChannelInfo:
     gain_tolerance: float
     clock_ppm: float
     noise_rms: float
+    corner: float = 0.0
+    corner_tolerance: float = 0.0
+    skew_tolerance: float = 0.0
+    flicker: float = 0.0
+    full_scale: float = 0.0
+    linearity: float = 0.0
+    clips_at: float = 0.0
+
+    @property
+    def time_constants(self) -> tuple[float, ...]:
+        """Certified time constants of all its high-pass poles in s: the transducer's discharge, then the coupling."""
+        discharge = () if self.time_constant is None else (self.time_constant,)
+        return (*discharge, 1 / (2 * math.pi * self.corner)) if self.corner else discharge
 
     @property
     def pole_Hz(self) -> float:
@@ -217,7 +282,10 @@ def channel_info(channel: Channel, analyzer: AnalyzerSpec, rate: float, filter_d
         direction=channel.direction, coupling=channel.coupling, range_V=channel.range_V,
         scale=analyzer.volts_per_code(channel.range_V), offset=0.0, sensitivity=spec.sensitivity,
         time_constant=spec.time_constant, time_constant_spread=spec.time_constant_spread,
-        filter_delay=filter_delay, skew=0.0, calibration_date=channel.calibration_date,
+        filter_delay=filter_delay, skew=channel.skew, calibration_date=channel.calibration_date,
         calibration_U=spec.calibration_U, gain_tolerance=analyzer.gain_tolerance, clock_ppm=analyzer.clock_ppm,
-        noise_rms=math.hypot(sensor, converter),
+        noise_rms=math.hypot(sensor, converter), corner=channel.corner or 0.0,
+        corner_tolerance=0.0 if channel.corner is None else analyzer.ac_tolerance, skew_tolerance=analyzer.skew,
+        flicker=spec.flicker, full_scale=spec.full_scale, linearity=spec.linearity or 0.0,
+        clips_at=(spec.clips_at or 0.0) if channel.coupling == "IEPE" else 0.0,
     )  # fmt: skip

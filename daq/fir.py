@@ -5,6 +5,9 @@ is stopped by stage 2) and stage 2 at 2 fs, a half-band filter (pass to 0.45 fs,
 half-integer in output samples, 3.5 and 35.5, so that the whole delay is the integer 39.
 
 Every output is the same sum in the same order however the stream is cut: the vectorised loop runs over outputs.
+
+A channel that is sampled a little late or early has its own stage 1: the same low-pass, sampled between its taps. That
+costs no extra pass, and nothing where there is no skew.
 """
 
 from dataclasses import dataclass
@@ -16,7 +19,7 @@ import numpy.typing as npt
 
 from daq.source import FloatArray
 
-__all__ = ["DELAY", "OVERSAMPLING", "STAGE1", "STAGE2", "Decimator"]
+__all__ = ["DELAY", "OVERSAMPLING", "STAGE1", "STAGE2", "Decimator", "shifted_lowpass"]
 
 OVERSAMPLING = 8
 TILE = 512  # outputs worked on at a time: their inputs (8 x 512 doubles) stay in the first-level cache
@@ -32,6 +35,17 @@ def kaiser_lowpass(taps: int, cutoff: float, attenuation: float) -> FloatArray:
     return np.asarray(h / h.sum())
 
 
+def shifted_lowpass(taps: int, cutoff: float, attenuation: float, delay: float) -> FloatArray:
+    """`kaiser_lowpass` that delays by `delay` inputs more (|delay| <= 1/2): its continuous form, sampled elsewhere."""
+    if not abs(delay) <= 0.5:
+        raise ValueError(f"a skew of {delay:g} oversampled intervals: at most half an interval can be filtered in")
+    beta = 0.1102 * (attenuation - 8.7)
+    half = (taps - 1) / 2
+    n = np.arange(taps) - half - delay
+    h = np.sinc(2 * cutoff * n) * np.i0(beta * np.sqrt(np.maximum(1 - (n / half) ** 2, 0.0)))
+    return np.asarray(h / h.sum())
+
+
 def half_band(taps: int, attenuation: float) -> FloatArray:
     """Kaiser low-pass cut off at a quarter of the rate: centre tap 1/2, every second tap exactly 0, unit sum."""
     h = kaiser_lowpass(taps, 0.25, attenuation)
@@ -42,7 +56,8 @@ def half_band(taps: int, attenuation: float) -> FloatArray:
     return h
 
 
-STAGE1 = kaiser_lowpass(57, 0.95 / 8, 108.0)
+STAGE1_CUTOFF, STAGE1_ATTENUATION = 0.95 / 8, 108.0
+STAGE1 = kaiser_lowpass(57, STAGE1_CUTOFF, STAGE1_ATTENUATION)
 STAGE2 = half_band(143, 110.0)
 DELAY = (len(STAGE1) - 1) // 2 / 8 + (len(STAGE2) - 1) // 2 / 2  # output samples
 HISTORY1 = (len(STAGE1) - 1) // 8  # columns of 8 inputs that precede a block
@@ -80,18 +95,36 @@ def stage_taps(outputs: int) -> tuple[Taps, Taps, Taps]:
     return taps_in(STAGE1, 0, 8, width1), taps_in(STAGE1, 4, 8, width1), taps_in(STAGE2, 0, 2, width2)
 
 
-class Decimator:
-    """Streaming low-pass and decimation by 8 of one channel, in blocks of fixed size; zeros precede the stream."""
+def _skewed_taps(outputs: int, delay: float) -> tuple[tuple[IntArray, FloatArray], ...]:
+    """Stage 1 for the even and the odd outputs: places of all its taps and their weights, a multiple of four of each."""
+    h = np.concatenate([shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, delay), np.zeros(3)])
+    found = []
+    for first in (0, 4):
+        position = first + np.arange(len(h))
+        position[len(STAGE1) :] = first  # weight 0: any place will do
+        found.append((position % 8 * (HISTORY1 + outputs) + position // 8, h))
+    return tuple(found)
 
-    def __init__(self, outputs: int) -> None:
+
+class Decimator:
+    """Streaming low-pass and decimation by 8 of one channel, in blocks of fixed size; zeros precede the stream.
+
+    skew: inputs by which the channel comes late beyond the common delay, negative where it comes early.
+    """
+
+    def __init__(self, outputs: int, skew: float = 0.0) -> None:
         self._inputs = np.zeros((8, HISTORY1 + outputs))
         self._halves = np.zeros((2, HISTORY2 + outputs))
         self._taps = tuple((t.left, t.right, t.weights, t.centre, t.centre_weight) for t in stage_taps(outputs))
+        self._skewed = _skewed_taps(outputs, skew) if skew else None
         self._out = np.empty(outputs)
 
     def push(self, x: FloatArray) -> FloatArray:
         """Filter the next (8 outputs,) inputs; output n is the filter's at input 8 n. Always returns the same array."""
-        _decimate(x, self._inputs, self._halves, self._taps, self._out)
+        if self._skewed is None:
+            _decimate(x, self._inputs, self._halves, self._taps, self._out)
+        else:
+            _decimate_skewed(x, self._inputs, self._halves, self._skewed, self._taps[2], self._out)
         return self._out
 
 
@@ -117,6 +150,47 @@ def _decimate(
         _convolve(inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count])
         _convolve(inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count])
         _convolve(halves.ravel(), last, start, out[start : start + count])
+
+
+@numba.njit(cache=True, nogil=True)
+def _decimate_skewed(
+    x: FloatArray,
+    inputs: FloatArray,
+    halves: FloatArray,
+    stage1: tuple[tuple[IntArray, FloatArray], ...],
+    stage2: tuple[IntArray, IntArray, FloatArray, int, float],
+    out: FloatArray,
+) -> None:
+    """As `_decimate`, with a stage 1 that is not symmetric."""
+    n = out.size
+    inputs[:, :HISTORY1] = inputs[:, n:]
+    halves[:, :HISTORY2] = halves[:, n:]
+    even, odd = stage1
+    for start in range(0, n, TILE):
+        count = min(TILE, n - start)
+        for phase in range(8):
+            row = inputs[phase, HISTORY1 + start : HISTORY1 + start + count]
+            for i in range(count):
+                row[i] = x[8 * (start + i) + phase]
+        _convolve_all(inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count])
+        _convolve_all(inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count])
+        _convolve(halves.ravel(), stage2, start, out[start : start + count])
+
+
+@numba.njit(cache=True, nogil=True)
+def _convolve_all(source: FloatArray, taps: tuple[IntArray, FloatArray], start: int, out: FloatArray) -> None:
+    """Outputs start, start + 1... of one filter without symmetry; four taps per pass over the outputs."""
+    place, weights = taps
+    n = out.size
+    out[:] = 0.0
+    for q in range(0, weights.size, 4):
+        w0, w1, w2, w3 = weights[q], weights[q + 1], weights[q + 2], weights[q + 3]
+        a0 = source[start + place[q] : start + place[q] + n]
+        a1 = source[start + place[q + 1] : start + place[q + 1] + n]
+        a2 = source[start + place[q + 2] : start + place[q + 2] + n]
+        a3 = source[start + place[q + 3] : start + place[q + 3] + n]
+        for i in range(n):
+            out[i] += (w0 * a0[i] + w1 * a1[i]) + (w2 * a2[i] + w3 * a3[i])
 
 
 @numba.njit(cache=True, nogil=True)

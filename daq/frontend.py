@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from daq.channel import AnalyzerSpec, Channel, ChannelState
 from daq.fir import DELAY, OVERSAMPLING, Decimator
+from daq.noise import Flicker
 from daq.source import FloatArray
 
 __all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "NotFinite", "noise_volts"]
@@ -68,6 +69,8 @@ class FrontEnd:
             raise ValueError(f"{len(channels)} channels, {len(states)} states, {len(noise)} noise generators")
         self.rate = rate
         self.names = tuple(channel.name for channel in channels)
+        if len(channels) > analyzer.channels:
+            raise ValueError(f"{len(channels)} channels on the {analyzer.channels} of {analyzer.model}")
         top = 2 ** (analyzer.bits - 1)
         self.lowest, self.highest = -top, top - 1
         self._converters = []
@@ -77,7 +80,14 @@ class FrontEnd:
             self._converters.append(Converter(state.gain / code, sigma / code, self.lowest, self.highest))
         self._noise = tuple(noise)
         self.block = block_size(samples)
-        self._decimators = [Decimator(self.block) for _ in channels]
+        # Sampled late by the skew, a channel shows its signal early.
+        self._decimators = [Decimator(self.block, -state.skew * OVERSAMPLING * rate) for state in states]
+        self._flicker = [
+            Flicker(channel.transducer.noise_spots, state.sensitivity, rate, rng)
+            if channel.transducer.noise_spots
+            else None
+            for channel, state, rng in zip(channels, states, noise, strict=True)
+        ]
         self._gauss = np.zeros(self.block)
 
     def convert(self, volts: FloatArray) -> Codes:
@@ -87,6 +97,9 @@ class FrontEnd:
             filtered = self._decimators[row].push(volts[row])
             if not np.isfinite(filtered).all():
                 raise NotFinite(f"channel {self.names[row]}: the source delivered a value that is not finite")
+            flicker = self._flicker[row]
+            if flicker is not None:
+                flicker.add(filtered)
             if converter.noise:
                 self._noise[row].standard_normal(out=self._gauss)
             _quantise(filtered, converter.codes_per_volt, self._gauss, converter.noise,

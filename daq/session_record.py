@@ -269,9 +269,14 @@ class Truth:
 
 
 def _channel_info(attributes: Mapping[str, Any]) -> ChannelInfo:
-    """A row of the channel table from its attributes; an infinite time constant means a response down to DC."""
+    """A row of the channel table from its attributes; an infinite time constant means a response down to DC.
+
+    Fields with a default may be missing: sessions from before they were there have none.
+    """
     values: dict[str, Any] = {}
     for field in dataclasses.fields(ChannelInfo):
+        if field.name not in attributes and field.default is not dataclasses.MISSING:
+            continue
         value = attributes[field.name]
         values[field.name] = value if isinstance(value, str) else float(value)
     if not np.isfinite(values["time_constant"]):

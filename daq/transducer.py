@@ -9,7 +9,7 @@ import numpy as np
 from daq.channel import ChannelState
 from daq.source import FloatArray, PhysicalSource
 
-__all__ = ["Transduced"]
+__all__ = ["Transduced", "high_pass"]
 
 
 class Transduced:
@@ -46,21 +46,22 @@ class Transduced:
             self._volts = np.empty((len(self._steps), n))
         for row, (sensitivity, step) in enumerate(zip(self._sensitivities, self._steps, strict=True)):
             if step:
-                self._slow[row] = _high_pass(physical[row], self._slow[row], step, sensitivity, self._volts[row])
+                self._slow[row] = high_pass(physical[row], self._slow[row], step, sensitivity, self._volts[row])
             else:
                 np.multiply(physical[row], sensitivity, out=self._volts[row])
         return self._volts
 
 
 @numba.njit(cache=True, nogil=True)
-def _high_pass(x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray) -> float:
-    """One pole over consecutive intervals of length step = dt / tau; returns z at the end.
+def high_pass(x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray) -> float:
+    """One pole over consecutive intervals of length step = dt / tau; returns z at the end. `volts` may be `x` itself.
 
     Over one interval z runs from z0 to x + (z0 - x) e^-step, so that the mean of y is (x - z0) (1 - e^-step) / step.
     """
     keep, add = math.exp(-step), -math.expm1(-step)
     scale = sensitivity * add / step
     for i in range(x.size):
-        volts[i] = scale * (x[i] - slow)
-        slow = keep * slow + add * x[i]
+        value = x[i]
+        volts[i] = scale * (value - slow)
+        slow = keep * slow + add * value
     return slow

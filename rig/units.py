@@ -13,6 +13,7 @@ GRAVITY = 9.80665
 
 _G = Decimal("9.80665")
 _DEGREE = Decimal("0.01745329251994329576923690768488612713")
+_DEGREE_PER_KHZ = Decimal(1) / Decimal(360000)
 _ONE, _MILLI, _MICRO, _KILO = Decimal(1), Decimal("0.001"), Decimal("0.000001"), Decimal(1000)
 
 UNITS: Mapping[str, Mapping[str, Decimal]] = {
@@ -23,6 +24,7 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "length": {"m": _ONE, "mm": _MILLI, "cm": Decimal("0.01"), "um": _MICRO},
     "mass": {"kg": _ONE, "g": _MILLI},
     "time": {"s": _ONE, "ms": _MILLI, "us": _MICRO},
+    "delay": {"s": _ONE, "us": _MICRO, "ns": _MICRO * _MILLI, "deg/kHz": _DEGREE_PER_KHZ},
     "frequency": {"Hz": _ONE, "kHz": _KILO},
     "rate": {"S/s": _ONE, "kS/s": _KILO, "Hz": _ONE, "kHz": _KILO},
     "force": {"N": _ONE, "kN": _KILO, "mN": _MILLI},
@@ -39,6 +41,8 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "force constant": {"N/A": _ONE},
     "resistance": {"ohm": _ONE, "kohm": _KILO},
     "inductance": {"H": _ONE, "mH": _MILLI, "uH": _MICRO},
+    "force noise": {"N/rtHz": _ONE},
+    "acceleration noise": {"m/s^2/rtHz": _ONE, "ug/rtHz": _G * _MICRO},
     "force sensitivity": {"V/N": _ONE, "mV/N": _MILLI},
     "voltage sensitivity": {"V/V": _ONE, "mV/V": _MILLI},
     "current sensitivity": {"V/A": _ONE, "mV/A": _MILLI},

@@ -95,7 +95,7 @@ def analyzer(name: str) -> AnalyzerSpec:
         return ideal_analyzer()
     entry = entry_of("analyzer", name)
     numbers = entry.numbers()
-    numbers |= {field: int(numbers[field]) for field in ("oversampling", "bits")}
+    numbers |= {field: int(numbers[field]) for field in ("oversampling", "bits", "channels")}
     return AnalyzerSpec(name, statuses=entry.statuses(), **numbers)
 
 
@@ -135,7 +135,7 @@ def _entry(kind: str, name: str, node: Node, notes: Notes) -> Entry:
     entries = entries_of(node, name, (*word_names, *wanted), notes)
     words = {word: word_of(entries[word], f"{name}.{word}", (), notes) for word in word_names}
     values = read_all(entries, wanted, "", notes)
-    missing = sorted(wanted.keys() - {value.path for value in values})
+    missing = sorted({name for name, want in wanted.items() if want.needed} - {value.path for value in values})
     if missing:
         notes.reject(node.where, name, f"no {', '.join(missing)}", "every field")
     return Entry(words, tuple(values))
@@ -155,7 +155,12 @@ def _wanted(kind: str, quantity: str) -> dict[str, Wanted]:
             "noise_rms": Wanted(Quantity("voltage", 0.0, 1.0)),
             "gain_tolerance": Wanted(_RELATIVE),
             "clock_ppm": Wanted(Quantity("ppm", 0.0, 1e5)),
+            "channels": Wanted(_COUNT),
+            "ac_corner": Wanted(Quantity("frequency", 0.0, 1e3, above=True)),
+            "ac_tolerance": Wanted(_RELATIVE),
+            "skew": Wanted(Quantity("delay", 0.0, 1e-6)),
         }
+    spots = Wanted(Quantity("acceleration noise", 0.0, 1e6, above=True), "many", needed=False)
     return {
         "sensitivity": Wanted(Quantity(f"{quantity} sensitivity", 0.0, 1e6, above=True)),
         "full_scale": Wanted(Quantity(quantity, 0.0, 1e9, above=True)),
@@ -164,6 +169,11 @@ def _wanted(kind: str, quantity: str) -> dict[str, Wanted]:
         "noise_rms": Wanted(Quantity(quantity, 0.0, 1e6)),
         "noise_bandwidth": Wanted(Quantity("frequency", 0.0, 1e9, above=True)),
         "calibration_U": Wanted(_RELATIVE),
+        "linearity": Wanted(_RELATIVE, needed=False),
+        "resonance": Wanted(Quantity("frequency", 0.0, 1e9, above=True), needed=False),
+        "resonance_damping": Wanted(Quantity("number", 0.0, 0.9, above=True), needed=False),
+        "clips_at": Wanted(Quantity("voltage", 0.0, 1000.0, above=True), needed=False),
+        **({"noise_spots": spots} if quantity == "acceleration" else {}),
     }
 
 

@@ -17,10 +17,12 @@ KEYS = ("value", "unit", "status", "source")
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a catalog field holds: one number, one or null ("maybe"), or a list of them ("many")."""
+    """What a catalog field holds: one number, one or null ("maybe"), or a list of them ("many"). A field that is not
+    `needed` may be left out."""
 
     quantity: Quantity
     form: Literal["one", "maybe", "many"] = "one"
+    needed: bool = True
 
 
 def wanted_by(kind: type) -> dict[str, Wanted]:

@@ -1,0 +1,142 @@
+"""What a voltage goes through between a transducer's element and the anti-alias filter, stage by stage.
+
+Every stage works in place on one channel's oversampled volts. A channel holds the stages that it needs and no others;
+where no channel needs any, the source is handed on as it is.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numba
+import numpy as np
+
+from daq.channel import Channel, ChannelState
+from daq.source import AnalogSource, FloatArray
+from daq.transducer import high_pass
+
+__all__ = ["Bend", "Clip", "Conditioned", "HighPass", "Resonance", "Stage", "conditioned"]
+
+
+class Stage(Protocol):
+    """One step of a channel's way, with its own memory of what went before."""
+
+    def apply(self, volts: FloatArray) -> None:
+        """Replace the next interval means, V, by what comes out."""
+
+
+class Bend:
+    """Deviation from the straight line: v (1 + even (v/full) + odd (v/full)^2); full: V at full scale."""
+
+    def __init__(self, even: float, odd: float, full: float) -> None:
+        self._even, self._odd = even / full, odd / full**2
+
+    def apply(self, volts: FloatArray) -> None:
+        """See Stage. A mean over an interval stands for the values in it: the error is that of their variance."""
+        volts *= 1 + volts * (self._even + self._odd * volts)
+
+
+class Resonance:
+    """The transducer on its mounting: y'' + 2 d w0 y' + w0^2 y = w0^2 x, gain 1 at frequency 0, at rest at the start.
+
+    Solved exactly for inputs that are constant over each interval (any w0 against the rate); the mean of y over an
+    interval of length h is x - (change of y' + 2 d w0 change of y) / (w0^2 h).
+    """
+
+    def __init__(self, frequency: float, damping: float, rate: float) -> None:
+        if not 0 < damping < 1:
+            raise ValueError(f"a resonance has a damping ratio between 0 and 1, not {damping}")
+        turn = 2 * math.pi * frequency / rate  # w0 h
+        free = turn * math.sqrt(1 - damping**2)
+        decay, c, s = math.exp(-damping * turn), math.cos(free), math.sin(free) * turn / free
+        # Free motion over one interval of (y - x, y'/w0)
+        self._step = (decay * (c + damping * s), decay * s, -decay * s, decay * (c - damping * s))
+        self._mean = (2 * damping / turn, 1 / turn)
+        self._y, self._v = 0.0, 0.0
+
+    def apply(self, volts: FloatArray) -> None:
+        """See Stage."""
+        self._y, self._v = _resonate(volts, self._y, self._v, self._step, self._mean)
+
+
+class Clip:
+    """The sensor's own amplifier: nothing beyond +- limit (V)."""
+
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
+
+    def apply(self, volts: FloatArray) -> None:
+        """See Stage."""
+        np.clip(volts, -self._limit, self._limit, out=volts)
+
+
+class HighPass:
+    """The coupling: one pole at `corner` (Hz), as a transducer's discharge is solved."""
+
+    def __init__(self, corner: float, rate: float) -> None:
+        self._step, self._slow = 2 * math.pi * corner / rate, 0.0
+
+    def apply(self, volts: FloatArray) -> None:
+        """See Stage."""
+        self._slow = high_pass(volts, self._slow, self._step, 1.0, volts)
+
+
+class Conditioned:
+    """An analog source whose channels go through stages, row by row."""
+
+    def __init__(self, source: AnalogSource, stages: Sequence[Sequence[Stage]]) -> None:
+        if len(stages) != len(source.names):
+            raise ValueError(f"stages of {len(stages)} channels for {', '.join(source.names)}")
+        self._source = source
+        self._stages = tuple(tuple(row) for row in stages)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Channel names in row order."""
+        return self._source.names
+
+    @property
+    def rate(self) -> float:
+        """Oversampled rate in Hz."""
+        return self._source.rate
+
+    def volts(self, n: int) -> FloatArray:
+        """Next n interval means in volts, shape (channels, n): the source's own array, worked over."""
+        volts = self._source.volts(n)
+        for row, stages in zip(volts, self._stages, strict=True):
+            for stage in stages:
+                stage.apply(row)
+        return volts
+
+
+def conditioned(source: AnalogSource, channels: Sequence[Channel], states: Sequence[ChannelState]) -> AnalogSource:
+    """The source with what its channels need: bend, resonance, clipping sensor, coupling. The source itself for none."""
+    stages = [_stages(channel, state, source.rate) for channel, state in zip(channels, states, strict=True)]
+    return Conditioned(source, stages) if any(stages) else source
+
+
+def _stages(channel: Channel, state: ChannelState, rate: float) -> list[Stage]:
+    spec, found = channel.transducer, list[Stage]()
+    if any(state.bend):
+        found.append(Bend(*state.bend, full=spec.full_scale * state.sensitivity))
+    if spec.resonance is not None:
+        found.append(Resonance(spec.resonance, spec.resonance_damping, rate))
+    if channel.coupling == "IEPE" and spec.clips_at is not None:
+        found.append(Clip(spec.clips_at))
+    if state.corner is not None:
+        found.append(HighPass(state.corner, rate))
+    return found
+
+
+@numba.njit(cache=True, nogil=True)
+def _resonate(
+    x: FloatArray, y: float, v: float, step: tuple[float, float, float, float], mean: tuple[float, float]
+) -> tuple[float, float]:
+    """Overwrite x by interval means of y; v is y'/w0. Returns y and v at the end."""
+    a, b, c, d = step
+    for i in range(x.size):
+        away = y - x[i]
+        y_end, v_end = x[i] + a * away + b * v, c * away + d * v
+        x[i] -= mean[0] * (y_end - y) + mean[1] * (v_end - v)
+        y, v = y_end, v_end
+    return y, v
