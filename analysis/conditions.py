@@ -75,7 +75,16 @@ def evaluate(
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
     noise_line = (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
     certified = (
-        *certificate_lines(force, acceleration, setting.frequency, W, reactive, W_T or 0.0, exponent or 0.0),
+        *certificate_lines(
+            force,
+            acceleration,
+            setting.frequency,
+            W,
+            reactive,
+            W_T or 0.0,
+            exponent or 0.0,
+            (max(abs(complex(run.energy.force[0])) for run in runs), max(run.energy.level for run in runs)),
+        ),
         *resolution_lines(W, reactive),
     )
     scatter = scatter_line([run.energy.W for run in runs]) or noise_line

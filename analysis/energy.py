@@ -21,6 +21,7 @@ __all__ = ["Energy", "combined", "dissipated_energy", "harmonics", "window_energ
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Poles = float | Sequence[float] | None  # s, time constants of a channel's high-pass poles
 
 PASS_BAND = 0.45  # of the sampling rate: harmonics above it are not counted (the anti-alias filter falls off there)
 
@@ -86,7 +87,7 @@ def dissipated_energy(
     cycles: int | None = None,
     settle: float = 0,
     filter_delay: float = 0.0,
-    time_constants: tuple[float | None, float | None] = (None, None),
+    time_constants: tuple[Poles, Poles] = (None, None),
     delay: float = 0.0,
     box_mass: float = 0.0,
 ) -> Energy:
@@ -94,9 +95,9 @@ def dissipated_energy(
 
     force (N) and acceleration (m/s^2): 1-D, equally long, sampled together at `rate` (Hz) and driven at `frequency`
     (Hz). settle, cycles, filter_delay: see whole_cycles; all whole cycles are used by default. time_constants: s, of
-    the high-pass poles of the two channels, undone harmonic by harmonic. delay: s by which the acceleration channel
-    lags the force channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is not finite or no whole
-    cycle fits.
+    the high-pass poles of the two channels (None, one, or several), undone harmonic by harmonic. delay: s by which the
+    acceleration channel lags the force channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is
+    not finite or no whole cycle fits.
     """
     force, acceleration = np.asarray(force, dtype=float), np.asarray(acceleration, dtype=float)
     if force.ndim != 1 or force.shape != acceleration.shape:
@@ -120,7 +121,7 @@ def window_energy(
     cycles: int,
     frequency: float,
     *,
-    time_constants: tuple[float | None, float | None] = (None, None),
+    time_constants: tuple[Poles, Poles] = (None, None),
     delay: float = 0.0,
     box_mass: float = 0.0,
 ) -> Energy:
@@ -159,11 +160,14 @@ def combined(parts: Sequence[Energy]) -> Energy:
     )  # fmt: skip
 
 
-def _corrected(signal: Array, step: float, time_constant: float | None, delay: float) -> Array:
-    """A window with its delay and its pole undone."""
+def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:
+    """A window with its delay and its poles undone."""
     if delay:
         signal = advanced(signal, delay, step)
-    return signal if time_constant is None else without_pole(signal, time_constant, step)
+    known = () if poles is None else (poles,) if isinstance(poles, float | int) else poles
+    for time_constant in known:
+        signal = without_pole(signal, time_constant, step)
+    return signal
 
 
 def harmonics(signal: Array, cycles: int, points: int) -> Complex:

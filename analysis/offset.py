@@ -35,10 +35,11 @@ IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
 class Actual:
     """What only a simulated session knows of its instruments.
 
-    states: by channel, `sensitivity` (V per unit), `time_constant` (s or None), `gain`; clock: relative error.
+    states: by channel, `sensitivity` (V per unit), `time_constant` (s or None), `gain`, and where there are any
+    `corner` (Hz or None) and `skew` (s); clock: relative error.
     """
 
-    states: Mapping[str, Mapping[str, float | None]]
+    states: Mapping[str, Mapping[str, Any]]
     clock: float
 
     def response(self, channel: ChannelFacts, omega: float) -> complex:
@@ -46,7 +47,10 @@ class Actual:
         state = self.states[channel.name]
         scale = (state["sensitivity"] or 0.0) * (state["gain"] or 0.0) / channel.sensitivity
         true, certified = state["time_constant"], channel.time_constant
-        return scale * _high_pass(omega, true) / _high_pass(omega, certified)
+        corner = state.get("corner")
+        coupling = _high_pass(omega, _tau(corner)) / _high_pass(omega, _tau(channel.corner))
+        skew = cmath.exp(1j * omega * (state.get("skew", 0.0) - channel.skew))
+        return scale * skew * coupling * _high_pass(omega, true) / _high_pass(omega, certified)
 
 
 def actual_of(truth: Truth | None) -> Actual | None:
@@ -112,6 +116,11 @@ def _of_run(
         "refill": exact - true,
         "remainder": energy.W - seen,
     }
+
+
+def _tau(corner: float | None) -> float | None:
+    """Time constant in s of a corner in Hz; None for none."""
+    return 1 / (2 * math.pi * corner) if corner else None
 
 
 def _high_pass(omega: float, time_constant: float | None) -> complex:

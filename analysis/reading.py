@@ -53,7 +53,8 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         F, a = (on_grid(signal.samples, first, part) for signal in signals)
         energy = window_energy(
             F, a, part.cycles, setting.frequency,
-            time_constants=(force.time_constant, acceleration.time_constant), delay=delay, box_mass=setting.box_mass,
+            time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
+            box_mass=setting.box_mass,
         )  # fmt: skip
         parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
     energy, scalars = combined(parts), record.scalars(run.name)

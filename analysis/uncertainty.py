@@ -61,12 +61,15 @@ def certificate_lines(
     reactive: float,
     W_T: float = 0.0,
     exponent: float = 0.0,
+    amplitudes: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Line, ...]:
     """Type B lines from the channel table; those that contribute nothing are left out.
 
-    frequency: Hz; W, W_T: J per cycle; reactive: (pi/w^2) M_eff a^2 in J; exponent: dlnW_T/dlna. Sensitivities: normal,
-    U/2; gains and clock: rectangular, half-width/sqrt(3); poles: sigma of ln tau, acting through the phase
-    atan(1/(w tau)), whose derivative is -sin(2 phase)/2.
+    frequency: Hz; W, W_T: J per cycle; reactive: (pi/w^2) M_eff a^2 in J; exponent: dlnW_T/dlna; amplitudes: of the
+    fundamental force (N) and acceleration (m/s^2). Sensitivities: normal, U/2; gains, clock, corners of the coupling
+    and skews: rectangular, half-width/sqrt(3); poles: sigma of ln tau, acting through the phase atan(1/(w tau)), whose
+    derivative is -sin(2 phase)/2. Linearity: a cubic bend of up to half of it changes the fundamental by 3/4 of that,
+    times (amplitude/full scale)^2.
     """
     nT = exponent * W_T
     omega = 2 * math.pi * frequency
@@ -78,9 +81,44 @@ def certificate_lines(
         Line("acceleration gain", "1", acceleration.gain_tolerance / math.sqrt(3), math.inf, W, nT),
         Line("force pole (ln tau)", "1", _spread(force), math.inf, f_pole),
         Line("acceleration pole (ln tau)", "1", _spread(acceleration), math.inf, a_pole),
+        *_coupling_lines(force, omega, W, 0.0, reactive),
+        *_coupling_lines(acceleration, omega, W, nT, -reactive),
+        Line(
+            "skew",
+            "rad",
+            omega * math.hypot(*(c.skew_tolerance for c in (force, acceleration))) / math.sqrt(3),
+            math.inf,
+            reactive,
+        ),
+        Line("force linearity", "1", _bend(force, amplitudes[0]), math.inf, W),
+        Line("acceleration linearity", "1", _bend(acceleration, amplitudes[1]), math.inf, W, nT),
         Line("clock", "1", max(force.clock_ppm, acceleration.clock_ppm) * 1e-6 / math.sqrt(3), math.inf, -2 * W),
     ]
     return tuple(line for line in lines if line.u > 0)
+
+
+def _coupling_lines(channel: ChannelFacts, omega: float, W: float, nT: float, reactive: float) -> tuple[Line, ...]:
+    """The scatter of an AC coupling's corner f_c = w_c/2 pi: it turns the channel and scales it by w/sqrt(w^2 + w_c^2).
+    One input quantity, so one line: dlnW = -(w_c^2/(w^2 + w_c^2)) and dphi = w w_c/(w^2 + w_c^2) per relative f_c."""
+    if not channel.corner:
+        return ()
+    ratio = 2 * math.pi * channel.corner / omega
+    scale, turn = -(ratio**2) / (1 + ratio**2), ratio / (1 + ratio**2)
+    u = channel.corner_tolerance / math.sqrt(3)
+    return (Line(f"{channel.name} coupling", "1", u, math.inf, scale * W - turn * reactive, scale * nT),)
+
+
+def _bend(channel: ChannelFacts, amplitude: float) -> float:
+    """Relative standard uncertainty of a fundamental's amplitude by the sensor's linearity."""
+    if not channel.linearity or not channel.full_scale:
+        return 0.0
+    return 0.375 * channel.linearity * (amplitude / channel.full_scale) ** 2 / math.sqrt(3)
+
+
+def _coupling_turn(omega: float, channel: ChannelFacts) -> float:
+    """Standard uncertainty of the coupling's phase, rad."""
+    ratio = 2 * math.pi * channel.corner / omega
+    return channel.corner_tolerance / math.sqrt(3) * ratio / (1 + ratio**2)
 
 
 def _spread(channel: ChannelFacts) -> float:
@@ -96,6 +134,8 @@ def angle_uncertainty(force: ChannelFacts, acceleration: ChannelFacts, frequency
     """The angle between the two channels that is left after correction: 0 rad with its standard uncertainty."""
     omega = 2 * math.pi * frequency
     parts = [(_spread(channel) * _turn(omega, channel), math.inf) for channel in (force, acceleration)]
+    for channel in (force, acceleration):
+        parts += [(_coupling_turn(omega, channel), math.inf), (omega * channel.skew_tolerance / math.sqrt(3), math.inf)]
     return combine(0.0, [*parts, (ANGLE_RESOLUTION, math.inf)])
 
 
@@ -123,13 +163,18 @@ def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:
 
 
 def noise_of(energy: Energy, force: ChannelFacts, acceleration: ChannelFacts, samples: int) -> float:
-    """Standard deviation of W in J from white noise of the two channels, for a window of so many samples.
+    """Standard deviation of W in J from the noise of the two channels, for a window of so many samples.
 
-    Each quadrature of a phasor has sigma sqrt(2/N); W = -(pi/w^2) Im(F A*) turns them into energy.
+    Each quadrature of a phasor has sigma sqrt(2/N) of white noise; W = -(pi/w^2) Im(F A*) turns them into energy. 1/f
+    noise counts with its density at the drive, as white noise of that density would.
     """
     omega = 2 * math.pi * energy.frequency
     first = abs(complex(energy.force[0]))
+    band = samples * energy.frequency / energy.cycles / 2
+
+    def rms(channel: ChannelFacts) -> float:
+        return math.hypot(channel.noise_rms, channel.flicker * math.sqrt(band / energy.frequency))
+
     return (
-        math.pi / omega**2 * math.sqrt(2 / samples)
-        * math.hypot(first * acceleration.noise_rms, energy.level * force.noise_rms)
-    )  # fmt: skip
+        math.pi / omega**2 * math.sqrt(2 / samples) * math.hypot(first * rms(acceleration), energy.level * rms(force))
+    )

@@ -96,8 +96,9 @@ def stage_taps(outputs: int) -> tuple[Taps, Taps, Taps]:
 
 
 def _skewed_taps(outputs: int, delay: float) -> tuple[tuple[IntArray, FloatArray], ...]:
-    """Stage 1 for the even and the odd outputs: places of all its taps and their weights, a multiple of four of each."""
-    h = np.concatenate([shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, delay), np.zeros(3)])
+    """Stage 1 for the even and the odd outputs: places of all its taps and their weights, in multiples of four."""
+    newest_last = shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, delay)[::-1]
+    h = np.concatenate([newest_last, np.zeros(3)])
     found = []
     for first in (0, 4):
         position = first + np.arange(len(h))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -50,6 +50,7 @@ def conflicts(scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict
     yield from _names(scene, acquire)
     yield from _box(scene)
     yield from _sampling(drive, acquire)
+    yield from _inputs(drive, acquire)
 
 
 def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
@@ -140,6 +141,26 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     elif actual * (acquire.settle + acquire.record) > MOST_SAMPLES:
         found = f"{actual * (acquire.settle + acquire.record):.4g} samples in a run"
         yield Conflict(("acquire.record", "acquire.settle", path, *paths), found, f"at most {MOST_SAMPLES}")
+
+
+def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+    """Coupling and range of every channel."""
+    spec = _known_analyzer(acquire.analyzer)
+    for name in (item.name for item in fields(acquire.coupling)):
+        sensor, coupling = getattr(acquire.sensors, name), getattr(acquire.coupling, name)
+        path = f"acquire.coupling.{name}"
+        if coupling == "IEPE" and sensor in sensors_for(name) and transducer(sensor).clips_at is None:
+            found = f"IEPE for {sensor}, which has no amplifier to feed"
+            yield Conflict((path, f"acquire.sensors.{name}"), found, "DC or AC")
+        if coupling != "DC" and spec is not None and drive.frequency < spec.ac_corner:
+            found = f"{coupling} with a drive at {drive.frequency:g} Hz"
+            yield Conflict((path, "drive.frequency"), found, f"DC below the coupling's corner, {spec.ac_corner:g} Hz")
+    for name in (item.name for item in fields(acquire.ranges)):
+        volts = getattr(acquire.ranges, name)
+        if spec is not None and isinstance(volts, float) and volts not in spec.ranges:
+            known = ", ".join(f"{value:g} V" for value in spec.ranges)
+            path = f"acquire.ranges.{name}"
+            yield Conflict((path, "acquire.analyzer"), f"a range of {volts:g} V", f"{known}, or auto")
 
 
 @cache

@@ -1,6 +1,6 @@
 """The instruments of a protocol: catalog entries and rig file become channels with a certified and an actual state."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,15 +18,19 @@ from daq.channel import (
     ideal_analyzer,
     ideal_transducer,
 )
+from daq.ranging import smallest_range
 from daq.seeds import stream
 from rig import catalog
 from rig.catalog.entries import Exciter, Rig
 from rig.drive.exciter import PARTS
 from rig.errors import InputError, Mistake
-from rig.scene import Condition
+from rig.scene import Condition, Ranges
 
 CHANNELS = ("force", "acceleration")
 EXCITER_CHANNELS = ("current", "voltage")
+AUTO = "auto"
+OF_SESSION = ("analyzer", "sensors", "exciter_channels", "coupling", "ranges", "effects")
+"""Parts of `acquire` that are one for all conditions: a session has one channel table."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +58,9 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
 
     Raises InputError where conditions ask for different instruments: a session has one channel table.
     """
-    wanted = {(c.acquire.analyzer, c.acquire.sensors, c.acquire.exciter_channels) for c in conditions}
-    if len(wanted) > 1:
+    if len({tuple(getattr(c.acquire, part) for part in OF_SESSION) for c in conditions}) > 1:
         raise InputError(
-            Mistake("", "vary", "an axis over acquire.analyzer, acquire.sensors or acquire.exciter_channels",
+            Mistake("", "vary", f"an axis over acquire.{', acquire.'.join(OF_SESSION)}",
                     "one set of instruments in a session; run one session for each and compare")
         )  # fmt: skip
     acquire = conditions[0].acquire
@@ -65,10 +68,12 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
     channels = tuple(
         Channel(
             name=name,
-            transducer=_transducer(name, getattr(acquire.sensors, name)),
-            range_V=float(rig.ranges[name]),
+            transducer=_transducer(name, getattr(acquire.sensors, name), acquire.effects),
+            range_V=_range_of(getattr(acquire.ranges, name, None), analyzer, float(rig.ranges[name])),
             serial=f"synthetic-{name}",
             direction="+drive",
+            coupling=(coupling := getattr(acquire.coupling, name, "DC")),
+            corner=None if coupling == "DC" else analyzer.ac_corner,
         )
         for name in (*CHANNELS, *(EXCITER_CHANNELS if acquire.exciter_channels else ()))
     )
@@ -93,7 +98,32 @@ def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
     )
 
 
-def _transducer(channel: str, model: str) -> TransducerSpec:
+def ranged(tools: Instruments, asked: Ranges, peaks: Mapping[str, float]) -> Instruments:
+    """The instruments with the smallest sufficient range where that is left to the look ahead; peaks: by channel."""
+    channels = tuple(
+        replace(c, range_V=smallest_range(tools.analyzer.ranges, peaks[c.name] * c.transducer.sensitivity))
+        if getattr(asked, c.name, None) == AUTO
+        else c
+        for c in tools.channels
+    )
+    return replace(tools, channels=channels)
+
+
+def _range_of(asked: float | str | None, analyzer: AnalyzerSpec, otherwise: float) -> float:
+    """V; the largest until the look ahead has chosen."""
+    if asked == AUTO:
+        return max(analyzer.ranges)
+    return otherwise if asked is None else float(asked)
+
+
+def _transducer(channel: str, model: str, effects: Sequence[str]) -> TransducerSpec:
+    """A sensor with those extras of its sheet that are asked for."""
     if model == "ideal":
         return ideal_transducer(channel)  # type: ignore[arg-type]
-    return catalog.transducer(model)
+    full = catalog.transducer(model)
+    return replace(
+        full,
+        linearity=full.linearity if "linearity" in effects else None,
+        resonance=full.resonance if "resonance" in effects else None,
+        noise_spots=full.noise_spots if "flicker" in effects else (),
+    )

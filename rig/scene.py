@@ -17,6 +17,7 @@ HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")
 BUILT_MODES = ("servo",)
+EFFECTS = ("linearity", "resonance", "flicker")
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ Mode = Literal["servo", "coupled"]
 Imperfection = Literal["default", "none"]
 Amplifier = Literal["voltage", "current"]
 GaugeSide = Literal["box", "exciter"]
+Coupled = Literal["DC", "AC", "IEPE"]
+Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
 
 
 @dataclass(frozen=True)
@@ -127,9 +130,27 @@ class Sensors:
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """How the analyzer's inputs are coupled: DC, AC, or IEPE, which feeds the sensor and is AC coupled."""
+
+    force: Coupled = "DC"
+    acceleration: Coupled = "DC"
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Input ranges in V, each +- that value: one of the analyzer's, "auto" for the smallest that the look ahead finds
+    large enough, None for the rig file's."""
+
+    force: Volts = None
+    acceleration: Volts = None
+
+
+@dataclass(frozen=True)
 class Acquire:
     """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record; whether coil current
-    and drive voltage are recorded beside force and acceleration."""
+    and drive voltage are recorded beside force and acceleration. `effects`: what else of the sensors' sheets is
+    simulated."""
 
     analyzer: str = "INV-3118"
     samples_per_cycle: Annotated[int, Quantity("number", 8, 1000000)] = 500
@@ -138,6 +159,9 @@ class Acquire:
     sensors: Sensors = Sensors()
     allow_undersampled: bool = False
     exciter_channels: bool = False
+    coupling: Coupling = Coupling()
+    ranges: Ranges = Ranges()
+    effects: Annotated[tuple[str, ...], OneOf(EFFECTS)] = ()
 
 
 @dataclass(frozen=True)

@@ -125,7 +125,7 @@ def value_of(annotation: Any, node: Node, path: str, notes: Notes) -> Any:
     notes.places[path] = node.where
     base, extras = _unpack(annotation)
     if isinstance(base, type) and is_dataclass(base):
-        return fill(base, node, path, notes)
+        return fill(base, _for_each(base, node), path, notes)
     if base is bool:
         if not isinstance(node.value, bool):
             raise notes.reject(node.where, path, describe(node), "true or false")
@@ -137,6 +137,15 @@ def value_of(annotation: Any, node: Node, path: str, notes: Notes) -> Any:
     if get_origin(base) is tuple:
         return _words_of(node, path, _words(extras), notes)
     return _number_of(base, _quantity(extras), node, path, notes)
+
+
+def _for_each(kind: type, node: Node) -> Node:
+    """A plain value in the place of a group of two fields or more that are all alike stands for each of them."""
+    known = grammar(kind)
+    alike = len(known) > 1 and len(set(map(str, known.values()))) == 1
+    if not alike or isinstance(node.value, dict | tuple) or node.value is None:
+        return node
+    return Node(node.where, dict.fromkeys(known, node), key_places=dict.fromkeys(known, node.where))
 
 
 def word_of(node: Node, path: str, words: tuple[str, ...], notes: Notes) -> str:
@@ -164,10 +173,12 @@ def _words_of(node: Node, path: str, words: tuple[str, ...], notes: Notes) -> tu
 def _number_of(base: Any, quantity: Quantity, node: Node, path: str, notes: Notes) -> float | int | str | None:
     options = get_args(base) if get_origin(base) in (Union, types.UnionType) else (base,)
     allowed = str(quantity)
-    if "none" in [word for option in options for word in get_args(option)]:
-        if node.value == "none":
-            return "none"
-        allowed += ", or none"
+    words = [str(word) for option in options for word in get_args(option)]
+    if node.value in words:
+        return str(node.value)
+    allowed = ", or ".join([allowed, *words])
+    if words and isinstance(node.value, str) and node.value.isalpha():
+        raise notes.reject(node.where, path, quote(node.value), allowed, nearest(node.value, words))
     if node.value is None and types.NoneType in options:
         return None
     if int in options:

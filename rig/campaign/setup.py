@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from analysis.offset import EXACT
 from daq.acquisition import Emulated
+from daq.conditioning import conditioned
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY, FrontEnd
 from daq.seeds import stream
@@ -16,6 +17,7 @@ from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.practice import seen, spoiled
+from rig.campaign.ranging import auto_ranged
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
@@ -53,6 +55,7 @@ class Campaign:
         conditions = protocol.conditions()
         tools = instruments(conditions, rig, protocol.seed)
         sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
+        tools = auto_ranged(tools, conditions, rig, {name: size.rate for name, size in sizes.items()})
         return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoiled(tools, protocol.mistake))
 
     @property
@@ -97,7 +100,8 @@ class Campaign:
         noise = [self._stream(run, channel.name) for channel in tools.channels]
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
         source = seen(self._source(run, stand), self.protocol.mistake, run.condition, self.rig, stand.motion)
-        acquisition = Emulated(Transduced(source, tools.states), front)
+        analog = conditioned(Transduced(source, tools.states), tools.channels, tools.states)
+        acquisition = Emulated(analog, front)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)

@@ -25,6 +25,16 @@ class Facts:
     gain_tolerance: float = 0.0
     clock_ppm: float = 0.0
     noise_rms: float = 0.0
+    corner: float = 0.0
+    corner_tolerance: float = 0.0
+    skew_tolerance: float = 0.0
+    flicker: float = 0.0
+    full_scale: float = 0.0
+    linearity: float = 0.0
+
+    @property
+    def time_constants(self) -> tuple[float, ...]:
+        return () if self.time_constant is None else (self.time_constant,)
 
 
 IDEAL = {"force": Facts("force", "N"), "acceleration": Facts("acceleration", "m/s^2")}
