@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rig.beds.layers import cannot_follow
 from rig.beds.slug import slug, too_many_events
 from rig.beds.stack import Filling, Stack, bed_mass, layer_count, nominal, stack
 from rig.catalog.entries import Rig
@@ -71,10 +72,16 @@ def slug_tier(
 
 
 def closed(scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES) -> Total:
-    """The closed tier of a scene's stack at one acceleration; nothing where the bed does not slide by design."""
+    """The closed tier of a scene's stack at one acceleration; nothing where the bed does not slide by design.
+
+    Raises InputError where a row cannot be followed.
+    """
     if scene.bed != "layers":
         return NOTHING
-    return closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles)
+    try:
+        return closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles)
+    except TooManyEvents as error:
+        raise cannot_follow(bed, str(error)) from error
 
 
 def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:

@@ -8,7 +8,7 @@ from rig.beds.bed import Array, Reaction
 from rig.beds.stack import Stack
 from rig.drive.sampling import Sampling
 from rig.errors import InputError, Mistake
-from rig.kernels.row import Rows
+from rig.kernels.row import MAX_EVENTS, Rows
 from rig.kernels.rows import MEMORY, Grid, follow
 from rig.kernels.waveform import crossings, extrema
 
@@ -61,7 +61,7 @@ class Layers:
             self._memory,
         )
         if repeats < 0:
-            raise too_many_events(self._stack)
+            raise cannot_follow(self._stack, f"meets more than {MAX_EVENTS} events in one cycle")
         self._cycles += cycles
         energy: Array = mass * unit**2 * ledger
         return Reaction(
@@ -83,14 +83,14 @@ class _Velocity:
     scaled: Array
 
 
-def too_many_events(stack: Stack) -> InputError:
-    """The error for rows that bounce more often in a cycle than can be followed."""
+def cannot_follow(stack: Stack, what: str) -> InputError:
+    """The error for rows that cannot be followed; `what` tells in which respect."""
     return InputError(
         Mistake(
             where="scene",
             field="scene.layers.play",
-            found=f"a row with {stack.play.min():.3g} m of play and restitution {stack.restitution:.3g} "
-            "meets more than 512 events in one cycle",
-            allowed="a larger play, friction, or a row that rebounds less",
+            found=f"rows with {stack.play.min():.3g} m of play or more and restitution {stack.restitution:.3g}: "
+            f"one {what}",
+            allowed="a play nearer to the amplitude, friction, or rows that rebound less",
         )
     )

@@ -184,7 +184,7 @@ def cycle(
             region = int(table[ahead, 3])
             ahead += 1
             continue
-        before = y - start_x
+        before = u
         u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), play)
         friction += band * s * (u - before)
         work -= s * band * (x - start_x)

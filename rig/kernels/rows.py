@@ -17,6 +17,9 @@ from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 HISTORY = 64
 """Longest period looked for, in cycles of the drive."""
 
+LONGEST_SPAN = 256
+"""Times `HISTORY` or an average that a row may need: more for a frictionless row in a play of more than 1600 X."""
+
 STORED_CYCLES = 8
 STORED_EVENTS = 64
 """What of a steady row is kept to be replayed; longer orbits are simulated on."""
@@ -87,11 +90,19 @@ def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, 
     """Energy per cycle of rows in their steady state, units of the waveform.
 
     Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean over its
-    period, any other the mean over `average` further cycles. Returns friction, collision, period (0: none), each
-    of shape (rows,); the period is -1 where a row exceeds `MAX_EVENTS`.
+    period, any other the mean over `average` cycles behind `HISTORY` others; a row in a play too wide to be crossed in
+    one cycle gets that many times more of both (`_span`). Returns friction, collision, period (0: none), each of shape
+    (rows,); the period is -1 where a row exceeds `MAX_EVENTS`, -2 where it would need more than `LONGEST_SPAN`.
     """
     found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average)
     return found
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _span(band: float, play: float) -> int:
+    """Cycles that a row thrown at 1 takes to cross its play, or until friction has stopped it after 1/(2 band)."""
+    reach = play if 2.0 * band * play < 1.0 else 0.5 / band
+    return math.ceil(min(max(reach / TWO_PI, 1.0), LONGEST_SPAN + 1.0))
 
 
 @njit(cache=True, nogil=True)
@@ -108,9 +119,14 @@ def _steady_energy(
     for r in range(count):
         i = layer[r]
         mode, u, z = 0, 0.0, 0.0
-        for n in range(HISTORY + average):
+        span = _span(band[i], play[r])
+        if span > LONGEST_SPAN:
+            period[r] = -2
+            continue
+        settled, averaged = span * HISTORY, span * average
+        for n in range(settled + averaged):
             k = n % HISTORY
-            if n <= HISTORY:
+            if n <= settled:
                 back = _recurrence(history, n, mode, u, z)
                 if back > 0:
                     period[r] = back
@@ -124,11 +140,11 @@ def _steady_energy(
             if after.events < 0:
                 period[r] = -1
                 break
-            if n < HISTORY:
+            if n < settled:
                 losses[k, 0], losses[k, 1] = after.friction, after.collision
             else:
-                friction[r] += after.friction / average
-                collision[r] += after.collision / average
+                friction[r] += after.friction / averaged
+                collision[r] += after.collision / averaged
     return friction, collision, period
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.kernels.row import Rows
-from rig.kernels.rows import steady_energy
+from rig.kernels.row import MAX_EVENTS, Rows
+from rig.kernels.rows import LONGEST_SPAN, steady_energy
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 
@@ -36,7 +36,7 @@ class Total:
 
 
 class TooManyEvents(ArithmeticError):
-    """A row meets more events in one cycle than can be followed."""
+    """A row meets more events in one cycle, or takes more cycles to cross its play, than can be followed."""
 
 
 def paper_collision(
@@ -85,8 +85,10 @@ def closed_tier(
     tables = crossings(band, sine, cosine, extrema(sine, cosine)).tables
     rows = Rows(layer, free, row_restitution, band, tables)
     friction, collision, period = steady_energy(rows, sine, cosine, averaged_cycles)
-    if (period < 0).any():
-        raise TooManyEvents("a row meets more events in one cycle than can be followed")
+    if (period == -1).any():
+        raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
+    if (period == -2).any():
+        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
     unit = row_mass * (acceleration / omega) ** 2
     each = friction + collision
     taken = float(each.sum())
@@ -94,5 +96,5 @@ def closed_tier(
         friction=float(unit * friction.sum()),
         collision=float(unit * collision.sum()),
         period=int(period.max()) if (period > 0).all() else 0,
-        periodic_share=float(each[period > 0].sum()) / taken if taken > 0.0 else 1.0,
+        periodic_share=float(each[period > 0].sum()) / taken if taken > 0.0 else float((period > 0).all()),
     )
