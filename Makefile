@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint bench slow clean
+.PHONY: demo test lint bench stability slow clean
 
 demo: $(READY)
 	$(BIN)/rig run protocols/fill_rate.yaml --out sessions/fill_rate --force
@@ -22,6 +22,9 @@ lint: $(READY)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/bench.py
+
+stability: $(READY)
+	$(BIN)/python -m benchmarks.stability
 
 clean:
 	rm -rf $(VENV) sessions build *.egg-info

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.catalog.entries import Rig
+from rig.errors import InputError, Mistake
 from rig.scene import Scene
-from rig.theory.chain import row_restitution
+from rig.theory.chain import COLLAPSE, LONGEST_ROW, TooManyHits, row_restitution
 from rig.theory.friction import janssen_length, layer_capacity, side_wall_capacity, slip_distance
 
 Array = NDArray[np.float64]
@@ -85,7 +86,10 @@ def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> fl
 
 
 def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
-    """The layers of one filling (docs/model.md, closed tier): thresholds f_i/m, plays, masses, row restitution."""
+    """The layers of one filling (docs/model.md, closed tier): thresholds f_i/m, plays, masses, row restitution.
+
+    Raises InputError for rows too long and too elastic to be followed.
+    """
     cavity, grains, settings = scene.cavity, scene.grains, scene.layers
     layers = layer_count(scene)
     if layers == 0:
@@ -109,10 +113,18 @@ def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
         play=(filling.play * slip_distance(grains.diameter) * spread)[:mobile],
         row_mass=layer_mass / settings.rows,
         carried_mass=layer_mass * (layers - mobile),
-        restitution=row_restitution(
-            int(cavity.length // grains.diameter), rig.restitution_grains, rig.restitution_wall
-        ),
+        restitution=_row_restitution(int(cavity.length // grains.diameter), rig),
     )
+
+
+def _row_restitution(grains: int, rig: Rig) -> float:
+    try:
+        return row_restitution(grains, rig.restitution_grains, rig.restitution_wall)
+    except TooManyHits as error:
+        allowed = (
+            f"at most {LONGEST_ROW} grains, or a restitution of at most 1 - {COLLAPSE:g}/n, where rows are plastic"
+        )
+        raise InputError(Mistake("scene", "scene.grains.diameter", str(error), allowed)) from error
 
 
 def _density(scene: Scene) -> float:

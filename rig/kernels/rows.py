@@ -17,8 +17,11 @@ from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 HISTORY = 64
 """Longest period looked for, in cycles of the drive."""
 
-LONGEST_SPAN = 256
-"""Times `HISTORY` or an average that a row may need: more for a frictionless row in a play of more than 1600 X."""
+LONGEST_SPAN = 64
+"""Cycles that a row may take to cross its play: more for a frictionless row in a play of more than 400 X."""
+
+CROSSINGS, FORGETTING = 16, 40
+"""Spans averaged, and spans after which friction alone has left e^-10 of the memory of the start."""
 
 STORED_CYCLES = 8
 STORED_EVENTS = 64
@@ -90,19 +93,22 @@ def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, 
     """Energy per cycle of rows in their steady state, units of the waveform.
 
     Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean over its
-    period, any other the mean over `average` cycles behind `HISTORY` others; a row in a play too wide to be crossed in
-    one cycle gets that many times more of both (`_span`). Returns friction, collision, period (0: none), each of shape
-    (rows,); the period is -1 where a row exceeds `MAX_EVENTS`, -2 where it would need more than `LONGEST_SPAN`.
+    period, any other the mean over `average` cycles behind them; a row in a wide play gets more of both (`_span`).
+    Returns friction, collision, period (0: none), each of shape (rows,); the period is -1 where a row exceeds
+    `MAX_EVENTS`, -2 where its span exceeds `LONGEST_SPAN`.
     """
     found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average)
     return found
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _span(band: float, play: float) -> int:
-    """Cycles that a row thrown at 1 takes to cross its play, or until friction has stopped it after 1/(2 band)."""
-    reach = play if 2.0 * band * play < 1.0 else 0.5 / band
-    return math.ceil(min(max(reach / TWO_PI, 1.0), LONGEST_SPAN + 1.0))
+def _span(band: float, play: float) -> tuple[int, int]:
+    """Cycles that a row thrown at 1 takes to cross its play, or until friction has stopped it after 1/(2 band); and how
+    many of these spans to leave out: friction leaves e^(-pi band) of the memory of the start in each cycle, a plastic
+    hit none."""
+    crosses = 2.0 * band * play < 1.0
+    reach = play if crosses else 0.5 / band
+    return math.ceil(min(reach / TWO_PI, LONGEST_SPAN + 1.0)), CROSSINGS if crosses else FORGETTING
 
 
 @njit(cache=True, nogil=True)
@@ -119,11 +125,11 @@ def _steady_energy(
     for r in range(count):
         i = layer[r]
         mode, u, z = 0, 0.0, 0.0
-        span = _span(band[i], play[r])
+        span, left_out = _span(band[i], play[r])
         if span > LONGEST_SPAN:
             period[r] = -2
             continue
-        settled, averaged = span * HISTORY, span * average
+        settled, averaged = max(HISTORY, left_out * span), max(average, CROSSINGS * span)
         for n in range(settled + averaged):
             k = n % HISTORY
             if n <= settled:

@@ -23,8 +23,12 @@ without a trend over shares from 1e-3 to 1e-12, where the same file followed dow
 """
 
 
+LONGEST_ROW = 2000
+"""Grains in a row up to which its rebound is followed: it has up to 1.8 n^2 hits, and each moves n grains."""
+
+
 class TooManyHits(ArithmeticError):
-    """A file of grains has not come apart after 10^7 hits."""
+    """A file of grains that has not come apart after 10^7 hits, or is too long to be followed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,10 +135,12 @@ def row_restitution(grains: int, restitution: float, restitution_wall: float) ->
     """Rebound of the centre of mass of a row of equal grains thrown together onto a wall, in [0, 1].
 
     All hits until separation, event by event, the grains starting at equal (vanishing) gaps. A row whose
-    n (1 - e) reaches `COLLAPSE` is plastic: 0.
+    n (1 - e) reaches `COLLAPSE` is plastic: 0. Raises TooManyHits for one that is not, and longer than `LONGEST_ROW`.
     """
     if grains <= 1:
         return restitution_wall
     if grains * (1.0 - restitution) >= COLLAPSE * (1.0 - 1e-12):
         return 0.0
+    if grains > LONGEST_ROW:
+        raise TooManyHits(f"{grains} grains in a row, restitution {restitution:g}")
     return float(rebound(grains, restitution, restitution_wall))

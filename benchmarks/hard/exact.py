@@ -1,0 +1,154 @@
+"""Forty-digit arithmetic and event-by-event motion in it: what the compiled kernels are held against.
+
+Units of the waveform: the box has acceleration -sin t. A slider against it has z' = sin t - c while it slides or flies,
+c being s times its friction, or a gravity. Nothing here is shared with `rig`.
+"""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from decimal import Context, Decimal, localcontext
+from typing import NamedTuple
+
+DIGITS = 40
+TINY = Decimal(10) ** -30
+PI = Decimal("3.14159265358979323846264338327950288419716939937510")
+
+Function = Callable[[Decimal], Decimal]
+
+
+def precise() -> AbstractContextManager[Context]:
+    """Where this module's functions are to be called: forty digits."""
+    return localcontext(Context(prec=DIGITS))
+
+
+def cosine_and_sine(x: Decimal) -> tuple[Decimal, Decimal]:
+    """cos x and sin x by their series, after taking whole turns off."""
+    with localcontext() as context:
+        context.prec = DIGITS + 10
+        x = x - 2 * PI * (x / (2 * PI)).to_integral_value()
+        square, cos, sin, term, n = x * x, Decimal(1), x, x, 1
+        even = Decimal(1)
+        while abs(term) > TINY * TINY:
+            even = -even * square / ((2 * n - 1) * (2 * n))
+            term = -term * square / ((2 * n) * (2 * n + 1))
+            cos, sin, n = cos + even, sin + term, n + 1
+        return cos, sin
+
+
+def root(function: Function, low: Decimal, high: Decimal) -> Decimal:
+    """Root in a bracket with a change of sign: bisection and secant in turn, to 30 digits."""
+    f_low, f_high = function(low), function(high)
+    if f_low * f_high > 0:
+        raise ArithmeticError("no change of sign in the bracket")
+    while high - low > TINY:
+        for at in ((low * f_high - high * f_low) / (f_high - f_low) if f_high != f_low else low, (low + high) / 2):
+            if not low < at < high:
+                continue
+            value = function(at)
+            if value == 0:
+                return at
+            if (value > 0) == (f_high > 0):
+                high, f_high = at, value
+            else:
+                low, f_low = at, value
+    return (low + high) / 2
+
+
+class Flight(NamedTuple):
+    """A stretch of free motion against the box: from phase t0, position u and velocity z, under the constant c."""
+
+    t0: Decimal
+    u: Decimal
+    z: Decimal
+    c: Decimal
+
+    def position(self, t: Decimal) -> Decimal:
+        """u at a phase: u0 + (z0 + cos t0)(t - t0) - (sin t - sin t0) - c (t - t0)^2/2."""
+        cos0, sin0 = cosine_and_sine(self.t0)
+        past = t - self.t0
+        return self.u + (self.z + cos0) * past - (cosine_and_sine(t)[1] - sin0) - self.c * past * past / 2
+
+    def velocity(self, t: Decimal) -> Decimal:
+        """z at a phase: z0 + cos t0 - cos t - c (t - t0)."""
+        cos0, _ = cosine_and_sine(self.t0)
+        return self.z + cos0 - cosine_and_sine(t)[0] - self.c * (t - self.t0)
+
+    def first(self, function: Function, step: Decimal, last: Decimal) -> Decimal | None:
+        """First phase behind t0 at which a function of the phase is no longer positive, None up to `last`."""
+        t = self.t0
+        while t < last:
+            after = min(t + step, last)
+            if function(after) <= 0:
+                return root(function, t if t > self.t0 else self.t0 + (after - self.t0) / 2**20, after)
+            t = after
+        return None
+
+
+class Bounces(NamedTuple):
+    """Bouncing against one wall until it dies out: phase of the last contact, energy lost per mass, hits."""
+
+    phase: Decimal
+    lost: Decimal
+    hits: int
+
+
+def bounces(t: Decimal, z: Decimal, c: Decimal, restitution: Decimal, least: Decimal) -> Bounces:
+    """A mass that has hit the wall at u = 0 at speed z, and bounces until a rebound is below `least`, every hit exact.
+
+    The push z' = sin t - c has to be towards the wall (negative) all the while, so that a flight is concave and its
+    return unique: bracketed from half to one and a half of 2 z/|push|, widened until the sign changes.
+    """
+    lost, hits = Decimal(0), 0
+    while True:
+        rebound = restitution * z
+        lost += (z * z - rebound * rebound) / 2
+        hits += 1
+        if rebound < least:
+            return Bounces(t, lost + rebound * rebound / 2, hits)
+        flight = Flight(t, Decimal(0), rebound, c)
+        push = c - cosine_and_sine(t)[1]
+        if push <= 0:
+            raise ArithmeticError("the mass is thrown off while it bounces")
+        low, high = rebound / push, 3 * rebound / push
+        while flight.position(t + low) <= 0:
+            low /= 2
+        while flight.position(t + high) > 0:
+            high *= 2
+        t = root(flight.position, t + low, t + high)
+        z = -flight.velocity(t)
+
+
+def arcsine(x: Decimal) -> Decimal:
+    """Phase in [0, pi/2] whose sine is x, for x in [0, 1)."""
+    return root(lambda t: cosine_and_sine(t)[1] - x, Decimal(0), PI / 2) if x > 0 else Decimal(0)
+
+
+STEP = Decimal("0.05")
+
+
+def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
+    """Energy lost per mass in each cycle by a row with friction `band` > 0 in a free play, plastic at both ends.
+
+    From rest at u = 0: waits for a push beyond the band, slides, stops where z = 0 or at an end wall.
+    """
+    end = 2 * PI * cycles
+    t, u, lost = Decimal(0), Decimal(0), [Decimal(0) for _ in range(cycles)]
+    up = arcsine(band)
+    while t < end:
+        turn = t - 2 * PI * (t // (2 * PI)) + TINY  # beyond the phase to which the row has just waited
+        s = Decimal(1) if up < turn < PI - up else Decimal(-1) if PI + up < turn < 2 * PI - up else Decimal(0)
+        if s == 0 or (s > 0 and u == play) or (s < 0 and u == 0):
+            t += next(phase for phase in (up, PI + up, 2 * PI + up, 3 * PI + up) if phase > turn) - turn + TINY
+            continue
+        flight = Flight(t, u, Decimal(0), s * band)
+        wall = play if s > 0 else Decimal(0)
+        stop = flight.first(lambda at, f=flight, s=s: s * f.velocity(at), STEP, t + 4 * PI)  # type: ignore[misc]
+        hit = flight.first(lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)), STEP, stop or t + 4 * PI)  # type: ignore[misc]
+        t = hit if hit is not None else stop if stop is not None else end
+        if t >= end:
+            break
+        after = wall if hit is not None else flight.position(t)
+        speed = flight.velocity(t) if hit is not None else Decimal(0)
+        lost[int(t / (2 * PI))] += band * s * (after - u) + speed * speed / 2
+        u = after
+    return lost

@@ -1,0 +1,47 @@
+"""Methods that fall for a hard case: fixed steps, tests on the gap alone. Used only to show what they do."""
+
+import math
+
+import numpy as np
+
+
+def pressed(restitution: float, steps: int, cycles: int) -> float:
+    """How far a mass that is pressed onto a wall by a constant push sinks into it, in amplitudes, with fixed steps.
+
+    The usual loop: velocity, position, and where the gap is negative, v = -e v. Once a rebound is shorter than a step,
+    the mass is still inside after it, its rebound is turned round again, and it falls through.
+    """
+    h = 2.0 * math.pi / steps
+    gap, v = 0.0, 0.5
+    deepest = 0.0
+    for _ in range(steps * cycles):
+        v -= h
+        gap += h * v
+        if gap < 0.0:
+            v = -restitution * v
+        deepest = max(deepest, -gap)
+    return deepest
+
+
+def friction_block(eta: float, steps: int, cycles: int) -> float:
+    """Loss per cycle of a block on a rough floor, units m A^2/w^2, by semi-implicit steps with -eta sign(z)."""
+    h = 2.0 * math.pi / steps
+    z, lost = 0.0, 0.0
+    for n in range(steps * cycles):
+        push = math.sin((n + 0.5) * h)
+        z += h * (push - eta * float(np.sign(z)))
+        if n >= steps * (cycles - 1):
+            lost += h * eta * abs(z)
+    return lost
+
+
+def false_contacts(eta: float, samples: int) -> float:
+    """Share of the phases behind a lift-off, up to 1e-5 rad, at which the gap in double precision is not open.
+
+    The gap grows as cos(t0) (t - t0)^3/6, below 1e-16 there, and is computed as the difference of numbers near 1.
+    """
+    start = math.asin(eta)
+    t = start + np.linspace(0.0, 1e-5, samples)[1:]
+    past = t - start
+    gap = (math.sin(start) + math.cos(start) * past) - 0.5 * eta * past**2 - np.sin(t)
+    return float(np.mean(gap <= 0.0))
