@@ -24,7 +24,7 @@ shares nothing with the code that it judges.
 COLUMNS = ("case", "provokes", "required", "measured (limit)", "a naive method", "held")
 
 DECADE = re.compile(r"below 1e(-?\d+)")
-ROUGH = re.compile(r"~(\S+)")
+ROUGH = re.compile(r"~(\d[\d.e-]*)")
 
 
 def page() -> str:
