@@ -1,0 +1,198 @@
+"""Level control of a dwell, as a law over measured cycles: the next command from the last cycles' phasors.
+
+The loop multiplies the command's fundamental by (target/level)^(gain/slope). A linear exciter has slope 1; a bed that
+lets go makes the box lighter and the slope steeper, so it is estimated from the last two levels. Far from the target
+every cycle corrects. Near it the level is averaged: impacts make it scatter from cycle to cycle under a constant
+command (6 % at 5 m/s^2), and what is recorded is its mean. The apparent mass can fall so fast that no slope describes
+it: such a jump is counted. Harmonics, where they are controlled, are driven towards zero through the response of the
+box alone. A limit of the exciter stops the command where it is reached.
+"""
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+__all__ = ["Loop", "Target", "started", "stepped"]
+
+Status = Literal["seeking", "reached", "timed out"]
+Phasors = tuple[complex, ...]
+
+GAIN = 0.5
+"""Share of the level error, in logarithms, that a cycle corrects far from the target."""
+
+FINE_GAIN = 0.9
+"""The same for a mean near the target."""
+
+NEAR = math.log(1.04)
+"""Level error below which the level is averaged before it is corrected, beside twice its scatter."""
+
+LEAST = 3
+"""Cycles of a window from which a mean and its scatter can be told: the first one still moves."""
+
+STEEPEST = 4.0
+"""Largest slope dln(level)/dln(command) that the loop believes."""
+
+STEEP_NEAR = 2.0
+"""The same near the target, where slow transients look like a slope."""
+
+LONGEST_STEP = math.log(1.5)
+"""Largest change of the command in one cycle, in logarithms."""
+
+JUMP = math.log(1.25)
+"""Change of level in one cycle, beyond what the steepest slope explains, that counts as a jump."""
+
+AIM = 0.7
+"""Share of the tolerance within which a mean is left as it is: a slow drift has room."""
+
+AT_LIMIT = 1.0 - 1e-9
+"""Share of a limit from which on the command is not raised."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a dwell is to reach: amplitude of the fundamental acceleration in m/s^2, within a relative tolerance.
+
+    hold : cycles at least whose mean counts as the level; longest : cycles after which a mean is taken as it is
+    timeout : cycles after which the loop gives up
+    phase : angle of the acceleration against the command's clock, rad; None leaves it free
+    flat : rms of the controlled harmonics over the fundamental that is flat enough
+    """
+
+    level: float
+    tolerance: float = 0.01
+    hold: int = 5
+    longest: int = 8
+    timeout: int = 60
+    phase: float | None = None
+    flat: float = 0.02
+
+
+@dataclass(frozen=True)
+class Loop:
+    """State of the loop: the command's phasors (harmonics 1, 2, ...) and what has been seen.
+
+    cycles, level : measured so far, and the latest mean of the level, m/s^2
+    slope : dln(level)/dln(command) as last estimated
+    limit : the exciter's limit that keeps the level from being reached, "" for none
+    scatter : of the level from cycle to cycle under a constant command, relative
+    jumps : cycles in which the level changed more than any slope explains
+    window : measured phasors of the cycles since the command changed
+    before : level and command before that change
+    """
+
+    command: Phasors
+    status: Status = "seeking"
+    cycles: int = 0
+    level: float = 0.0
+    slope: float = 1.0
+    limit: str = ""
+    scatter: float = 0.0
+    jumps: int = 0
+    window: tuple[Phasors, ...] = ()
+    before: tuple[float, float] = (0.0, 0.0)
+
+
+def started(guess: complex, harmonics: int = 1) -> Loop:
+    """A loop at rest that will begin with a fundamental of `guess` (V or A) and control so many harmonics."""
+    return Loop((guess, *(0j,) * (harmonics - 1)))
+
+
+def stepped(
+    loop: Loop, target: Target, measured: Sequence[complex], shares: Mapping[str, float],
+    response: Sequence[complex] = (),
+) -> Loop:  # fmt: skip
+    """The loop after one more cycle, with the command for the next.
+
+    measured : phasors of the box's acceleration over the last cycle (m/s^2), harmonics 1, 2, ...
+    shares : of the exciter's limits that the cycle used, by name
+    response : acceleration per command at each harmonic, of the box alone; for controlled harmonics only
+    """
+    jumped = _jumped(loop, measured[0])
+    window = (*loop.window, tuple(measured))
+    loop = replace(loop, window=window, cycles=loop.cycles + 1, jumps=loop.jumps + jumped)
+    means, scatter = _mean(window)
+    loop = replace(loop, level=abs(means[0]), scatter=scatter if len(window) >= LEAST else loop.scatter)
+    error = math.log(target.level / loop.level) if loop.level > 0.0 else LONGEST_STEP
+    inside = abs(error) <= math.log1p(AIM * target.tolerance)
+    far = abs(error) > NEAR + 2.0 * loop.scatter
+    sure = loop.scatter / math.sqrt(max(len(window) - 1, 1)) <= 0.5 * target.tolerance
+    full = len(window) > (target.hold if inside else LEAST - 1) and (sure or len(window) > target.longest)
+    if full and inside and _distortion(means, loop.command) <= target.flat:
+        return replace(loop, status="reached", limit="")
+    stuck = _at_limit(shares) if error > 0.0 and not inside else ""
+    if stuck:
+        loop = replace(loop, limit=stuck)
+    elif far or full:
+        loop = replace(loop, limit="")
+    if loop.cycles >= target.timeout or (stuck and full):
+        return replace(loop, status="timed out")
+    if not (far or full or (stuck and shares[stuck] > 1.01)):
+        return loop
+    return _changed(loop, target, means, error, shares[stuck] if stuck else 0.0, far, response)
+
+
+def _changed(
+    loop: Loop, target: Target, means: Phasors, error: float, used: float, far: bool, response: Sequence[complex]
+) -> Loop:
+    """The loop with a new command and an empty window."""
+    slope = _slope(loop, far)
+    step = max(-LONGEST_STEP, min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * error))
+    if used:  # down to the limit: what is then missing of the level is the limit's
+        step = max(-LONGEST_STEP, min(0.0, -math.log(used)))
+    turn = 0.0
+    if target.phase is not None:
+        turn = GAIN * cmath.phase(cmath.exp(1j * target.phase) * means[0].conjugate())
+    first = loop.command[0] * cmath.rect(math.exp(step), turn)
+    others = (
+        old - GAIN * seen / through
+        for old, seen, through in zip(loop.command[1:], means[1:], response[1:], strict=False)
+    )
+    return replace(loop, command=(first, *others), slope=slope, window=(), before=(loop.level, abs(loop.command[0])))
+
+
+def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
+    """Mean phasors of a window and the relative scatter of its level; the first cycle, in which the command was still
+    moving, counts where it is the only one."""
+    used = window[1:] or window
+    n = len(used)
+    means = tuple(sum(column) / n for column in zip(*used, strict=True))
+    levels = [abs(phasors[0]) for phasors in used]
+    middle = math.fsum(levels) / n
+    spread = math.sqrt(math.fsum((level - middle) ** 2 for level in levels) / max(n - 1, 1))
+    return means, spread / middle if middle else 0.0
+
+
+def _jumped(loop: Loop, first: complex) -> bool:
+    """Whether the level of this cycle left the one before faster than any slope explains."""
+    was = abs(loop.window[-1][0]) if loop.window else loop.before[0]
+    if was <= 0.0 or first == 0.0:
+        return False
+    drove = loop.before[1] if not loop.window else 0.0
+    raised = abs(math.log(abs(loop.command[0]) / drove)) if drove else 0.0
+    return abs(math.log(abs(first) / was)) > JUMP + STEEPEST * raised
+
+
+def _slope(loop: Loop, moving: bool) -> float:
+    """dln(level)/dln(command) from this command and the one before; half of the old estimate stays where the level is
+    still `moving`."""
+    level, drive = loop.before
+    if min(level, drive, loop.level) <= 0.0:
+        return loop.slope
+    raised = math.log(abs(loop.command[0]) / drive)
+    if abs(raised) < 0.01:
+        return loop.slope
+    found = max(1.0, math.log(loop.level / level) / raised)
+    return 0.5 * (loop.slope + min(found, STEEPEST)) if moving else min(found, STEEP_NEAR)
+
+
+def _distortion(means: Phasors, command: Phasors) -> float:
+    """rms of the controlled harmonics over the fundamental."""
+    return math.sqrt(math.fsum(abs(x) ** 2 for x in means[1 : len(command)])) / abs(means[0])
+
+
+def _at_limit(shares: Mapping[str, float]) -> str:
+    """The limit that is used most, where it is reached; "" otherwise."""
+    most = max(shares, key=lambda name: shares[name], default="")
+    return most if most and shares[most] >= AT_LIMIT else ""
