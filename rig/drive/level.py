@@ -16,7 +16,7 @@ from typing import Literal
 
 __all__ = ["Loop", "Target", "started", "stepped"]
 
-Status = Literal["seeking", "reached", "timed out"]
+Status = Literal["seeking", "reached", "limited", "timed out"]
 Phasors = tuple[complex, ...]
 
 GAIN = 0.5
@@ -28,26 +28,30 @@ FINE_GAIN = 0.9
 NEAR = math.log(1.04)
 """Level error below which the level is averaged before it is corrected, beside twice its scatter."""
 
-LEAST = 3
-"""Cycles of a window from which a mean and its scatter can be told: the first one still moves."""
+LEAST = 4
+"""Cycles of a window from which a mean and its scatter can be told: the first two still move."""
 
 STEEPEST = 4.0
 """Largest slope dln(level)/dln(command) that the loop believes."""
 
-STEEP_NEAR = 2.0
+STEEP_NEAR = 1.5
 """The same near the target, where slow transients look like a slope."""
 
 LONGEST_STEP = math.log(1.5)
 """Largest change of the command in one cycle, in logarithms."""
 
 JUMP = math.log(1.25)
-"""Change of level in one cycle, beyond what the steepest slope explains, that counts as a jump."""
+JUMP_SLOPE = 2.0
+"""A change of level in one cycle counts as a jump where it is `JUMP` beyond this slope times the command's change."""
 
 AIM = 0.7
 """Share of the tolerance within which a mean is left as it is: a slow drift has room."""
 
-AT_LIMIT = 1.0 - 1e-9
+AT_LIMIT = 0.99
 """Share of a limit from which on the command is not raised."""
+
+OVER_LIMIT = 1.01
+"""Share of a limit from which on the command is taken back."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ class Target:
 
     level: float
     tolerance: float = 0.01
-    hold: int = 5
+    hold: int = 6
     longest: int = 8
     timeout: int = 60
     phase: float | None = None
@@ -117,7 +121,7 @@ def stepped(
     error = math.log(target.level / loop.level) if loop.level > 0.0 else LONGEST_STEP
     inside = abs(error) <= math.log1p(AIM * target.tolerance)
     far = abs(error) > NEAR + 2.0 * loop.scatter
-    sure = loop.scatter / math.sqrt(max(len(window) - 1, 1)) <= 0.5 * target.tolerance
+    sure = loop.scatter / math.sqrt(max(len(window) - 2, 1)) <= 0.5 * target.tolerance
     full = len(window) > (target.hold if inside else LEAST - 1) and (sure or len(window) > target.longest)
     if full and inside and _distortion(means, loop.command) <= target.flat:
         return replace(loop, status="reached", limit="")
@@ -126,9 +130,13 @@ def stepped(
         loop = replace(loop, limit=stuck)
     elif far or full:
         loop = replace(loop, limit="")
-    if loop.cycles >= target.timeout or (stuck and full):
+    if stuck and full and shares[stuck] <= OVER_LIMIT:
+        return replace(loop, status="limited")
+    if loop.cycles >= target.timeout:
         return replace(loop, status="timed out")
-    if not (far or full or (stuck and shares[stuck] > 1.01)):
+    if stuck and shares[stuck] <= OVER_LIMIT:
+        return loop
+    if not (far or full or stuck):
         return loop
     return _changed(loop, target, means, error, shares[stuck] if stuck else 0.0, far, response)
 
@@ -153,9 +161,9 @@ def _changed(
 
 
 def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
-    """Mean phasors of a window and the relative scatter of its level; the first cycle, in which the command was still
-    moving, counts where it is the only one."""
-    used = window[1:] or window
+    """Mean phasors of a window and the relative scatter of its level; the first two cycles, in which command and
+    exciter still move, do not count."""
+    used = window[2:] or window[-1:]
     n = len(used)
     means = tuple(sum(column) / n for column in zip(*used, strict=True))
     levels = [abs(phasors[0]) for phasors in used]
@@ -171,7 +179,7 @@ def _jumped(loop: Loop, first: complex) -> bool:
         return False
     drove = loop.before[1] if not loop.window else 0.0
     raised = abs(math.log(abs(loop.command[0]) / drove)) if drove else 0.0
-    return abs(math.log(abs(first) / was)) > JUMP + STEEPEST * raised
+    return abs(math.log(abs(first) / was)) > JUMP + JUMP_SLOPE * raised
 
 
 def _slope(loop: Loop, moving: bool) -> float:

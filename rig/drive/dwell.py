@@ -1,0 +1,116 @@
+"""A dwell in coupled drive: start-up, level control, settling and recording under a constant command, ramp-down."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rig.drive.command import Command
+from rig.drive.level import Loop, Target, started, stepped
+
+Array = NDArray[np.float64]
+
+START_UP = 4
+"""Cycles in which the first command is reached from rest."""
+
+RAMP_DOWN = 4
+"""Cycles in which the last command is taken back to nothing."""
+
+HELD = 2
+"""Cycles of one command while the level is held."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A dwell to be made at `frequency` (Hz).
+
+    guess : fundamental of the first command, V or A
+    targets : levels to be reached one after the other, the last one recorded; none: the guess is held, open loop
+    steady : cycles to be held under the last command
+    response : acceleration of the box alone per command, harmonics 1, 2, ...: as many are controlled
+    reading : what the controller's accelerometer reads of a unit of true acceleration
+    """
+
+    frequency: float
+    guess: complex
+    targets: tuple[Target, ...]
+    steady: int
+    response: tuple[complex, ...]
+    reading: float = 1.0
+
+
+def phasors(signal: Array, first: int, per_second: float, frequency: float, count: int) -> tuple[complex, ...]:
+    """Phasors (peak) of harmonics 1 to count of interval means that begin `first` intervals after time 0."""
+    turns = (first + np.arange(signal.size) + 0.5) * (frequency / per_second)
+    unit = np.exp(-2j * np.pi * (turns - np.floor(turns)))
+    found, power = [], np.ones_like(unit)
+    for _ in range(count):
+        power = power * unit
+        found.append(complex(2.0 * np.mean(signal * power)))
+    return tuple(found)
+
+
+class Dwell:
+    """The driver of one dwell: each call takes the signals of the latest command and gives the next one.
+
+    acceleration, current : rows of these signals; rate : intervals per second
+    shares : of the exciter's limits used in the latest cycle, by name, given the fundamental of the current
+
+    `loop` is the state of the level control, `steady_from` the cycle from which on the command is held (None: not yet).
+    """
+
+    def __init__(
+        self, plan: Plan, rate: float, acceleration: int, current: int,
+        shares: Callable[[float], Mapping[str, float]],
+    ) -> None:  # fmt: skip
+        self.loop: Loop = started(plan.guess, len(plan.response))
+        self.steady_from: int | None = None
+        self._plan, self._rate = plan, rate
+        self._rows = acceleration, current
+        self._shares = shares
+        self._left = list(plan.targets)
+        self._cycles = 0
+        self._intervals = 0
+
+    def __call__(self, signals: Array | None) -> Command:
+        """The next command."""
+        if signals is None:
+            return self._next(self.loop.command, START_UP)
+        first = self._intervals
+        self._intervals += signals.shape[1]
+        if self.steady_from is None:
+            self._control(signals, first)
+        if self.steady_from is None:
+            return self._next(self.loop.command, 1)
+        done = self._cycles - self.steady_from
+        if done < self._plan.steady:
+            return self._next(self.loop.command, min(HELD, self._plan.steady - done))
+        return self._next((), RAMP_DOWN)
+
+    def _next(self, phasor: tuple[complex, ...], cycles: int) -> Command:
+        self._cycles += cycles
+        return Command(phasor, self._plan.frequency, cycles)
+
+    def _control(self, signals: Array, first: int) -> None:
+        """One step of the loop from the last cycle of the signals."""
+        if not self._left:
+            self.steady_from = self._cycles
+            return
+        size = min(round(self._rate / self._plan.frequency), signals.shape[1])
+        start = first + signals.shape[1] - size
+        acceleration, current = (signals[row, -size:] for row in self._rows)
+
+        def read(signal: Array, count: int) -> Sequence[complex]:
+            return phasors(signal, start, self._rate, self._plan.frequency, count)
+
+        measured = read(self._plan.reading * acceleration, len(self._plan.response))
+        shares = self._shares(abs(read(current, 1)[0]))
+        self.loop = stepped(self.loop, self._left[0], measured, shares, self._plan.response)
+        if self.loop.status == "seeking":
+            return
+        if len(self._left) == 1:
+            self.steady_from = self._cycles
+        else:
+            self.loop = replace(self.loop, status="seeking", window=(), cycles=0, limit="")
+        self._left = self._left[1:]
