@@ -12,7 +12,7 @@ from analysis.estimate import Estimate
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
-from analysis.ratio import energy_ratio, propagated
+from analysis.ratio import energy_ratio, propagated, recorded_ratio
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.verdict import CHAIN_SHARE, verdict
@@ -120,12 +120,14 @@ def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[
         "U_W_exp": exp.U, "k": exp.k, "nu": exp.nu,
         "W_net": None if empty is None else exp.value - empty.W_exp.value,
         "W_detect": result.detect, "eta": result.mean("eta"), "M_eff": result.mean("M_eff"),
-        "thd_force": result.mean("thd_force"), "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
+        "thd_force": result.mean("thd_force"), "thd_acceleration": result.mean("thd_acceleration"),
+        "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
         "W_T": got.get("W_T"), "U_W_T": result.W_T.U if result.W_T else None,
         **{name: got.get(name) for name in ("W_f", "W_c", "W_T_paper", "bound", "exponent")},
         "offset": difference.value / scale if difference and scale else None,
         "U_offset": difference.U / scale if difference and scale else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
+        **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
         "E_n_coil": _E_n(result.coil_apart),
         "uncertainty": [
@@ -136,22 +138,38 @@ def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[
     }  # fmt: skip
 
 
+def _recorded(result: Result) -> dict[str, Any]:
+    """The comparison with W_T on the recorded waveforms; the offset as `offset` is left out where nothing is told."""
+    names = ("W_T_recorded", "U_W_T_recorded", "offset_recorded", "U_offset_recorded", "E_n_recorded")
+    found = result.recorded
+    if found is None:
+        return dict.fromkeys(names)
+    scale = found.W_T.value
+    told = min(scale, result.W_exp.value) >= max(result.detect, result.W_exp.U) and scale > 0
+    offset = (found.difference.value / scale, found.difference.U / scale) if told else (None, None)
+    return dict(zip(names, (scale, found.W_T.U, *offset, _E_n(found.difference)), strict=True))
+
+
 def _run_row(run: RunEnergy) -> dict[str, Any]:
     energy = run.energy
     return {
         "run": run.run, "order": run.order, "repeat": run.repeat, "acceleration": energy.level,
         "W_exp": energy.W, "W_exc": energy.W_exc, "W_kin": energy.W_kin, "W_phasor": energy.W_phasor,
         "W_eq25": energy.W_eq25, "W_coil": run.coil.W if run.coil else None,
+        "W_T_recorded": run.recorded,
         "cycles": energy.cycles, "flags": list(run.flags),
     }  # fmt: skip
 
 
 def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     """Energy-weighted ratio, slope through the origin, mean offset; errors common to all conditions stay common."""
-    ratio = energy_ratio(results)
+    ratio, recorded = energy_ratio(results), recorded_ratio(results)
+    on_record = {
+        "ratio_recorded": recorded.value if recorded else None, "U_ratio_recorded": recorded.U if recorded else None,
+    }  # fmt: skip
     if ratio is None:
         names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset", "put_in")
-        return dict.fromkeys(names, None) | {"n": 0}
+        return dict.fromkeys(names, None) | {"n": 0} | on_record
     told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
     total, square = math.fsum(w for _, w in told), math.fsum(w * w for _, w in told)
     slope = math.fsum(r.W_exp.value * w for r, w in told) / square
@@ -160,7 +178,7 @@ def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     return {
         "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu, "slope": slope, "U_slope": slope_e.U,
         "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
-        "put_in": _put_in([r for r, _ in told], total),
+        "put_in": _put_in([r for r, _ in told], total), **on_record,
     }  # fmt: skip
 
 

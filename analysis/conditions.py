@@ -11,6 +11,7 @@ from analysis.coil import coil_estimates
 from analysis.correction import net_of_mass
 from analysis.estimate import Estimate
 from analysis.prediction import Prediction
+from analysis.recorded import Recorded, on_recorded
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.uncertainty import (
     Line,
@@ -35,7 +36,7 @@ class Result:
     W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
     detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
-    W_exp, where the coil's current is recorded in every run.
+    W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms.
     """
 
     setting: Setting
@@ -49,6 +50,7 @@ class Result:
     predicted: Mapping[str, float | None]
     coil: Estimate | None = None
     coil_apart: Estimate | None = None
+    recorded: Recorded | None = None
 
     @property
     def comparable(self) -> bool:
@@ -104,6 +106,7 @@ def evaluate(
         predicted=predicted,
         coil=by_coil[0],
         coil_apart=by_coil[1],
+        recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
     )
 
 

@@ -77,6 +77,11 @@ class Energy:
         first = abs(complex(self.force[0]))
         return float(np.linalg.norm(self.force[1:])) / first if first else math.nan
 
+    @property
+    def thd_acceleration(self) -> float:
+        """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the fundamental's."""
+        return float(np.linalg.norm(self.acceleration[1:])) / self.level if self.level else math.nan
+
 
 def dissipated_energy(
     force: Array,

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate
+from analysis.recorded import Recorded
 from analysis.uncertainty import combine
 
-__all__ = ["energy_ratio", "propagated"]
+__all__ = ["energy_ratio", "propagated", "recorded_ratio"]
 
 
 def energy_ratio(results: Sequence[Result]) -> Estimate | None:
@@ -21,7 +22,17 @@ def energy_ratio(results: Sequence[Result]) -> Estimate | None:
     return propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in told])
 
 
-def propagated(value: float, weights: Sequence[tuple[Result, float, float]]) -> Estimate:
+def recorded_ratio(results: Sequence[Result]) -> Estimate | None:
+    """As energy_ratio, with the predictions on the recorded waveforms; None where there are none."""
+    told = [(r, r.recorded) for r in results if r.recorded is not None and r.recorded.W_T.value > 0]
+    if not told:
+        return None
+    total = math.fsum(found.W_T.value for _, found in told)
+    ratio = math.fsum(r.W_exp.value for r, _ in told) / total
+    return propagated(ratio, [(found, 1 / total, -ratio / total) for _, found in told])
+
+
+def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, float]]) -> Estimate:
     """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
 
     Lines of a source that is shared between conditions add with their signs; the others add in quadrature.

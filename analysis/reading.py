@@ -19,6 +19,7 @@ __all__ = ["read_session", "run_energy"]
 
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN  # samples are missing or mean nothing: no energy can be stated
+RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
@@ -68,6 +69,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         use=_use(scalars),
         ledger=_ledger(record, run, setting, window),
         coil=_coil(record, run, window, energy, samples),
+        recorded=scalars.get(RECORDED),
     )  # fmt: skip
 
 

@@ -169,7 +169,8 @@ class RunEnergy:
     flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
     from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
     only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
-    coil: energy as the coil's current tells it, None where that is not recorded.
+    coil: energy as the coil's current tells it, None where that is not recorded. recorded: what is predicted on the
+    waveform that this run recorded, J per cycle, None where it was not computed.
     """
 
     run: str
@@ -182,3 +183,4 @@ class RunEnergy:
     ledger: Mapping[str, float] | None = None
     use: Mapping[str, float] = field(default_factory=dict)
     coil: "Coil | None" = None
+    recorded: float | None = None

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
 from rig.campaign.practice import told
+from rig.campaign.recorded import NAMES
 from rig.campaign.setup import Campaign
 from rig.cases import cases
 from rig.catalog import dump_rig
@@ -54,7 +55,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         },
         ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
-        scalars=SCALARS,
+        scalars=(*SCALARS, *(NAMES if campaign.recorded else ())),
     )  # fmt: skip
 
 

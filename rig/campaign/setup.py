@@ -18,6 +18,7 @@ from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
+from rig.campaign.recorded import Listener
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
@@ -69,6 +70,11 @@ class Campaign:
         """Columns of the ledger that a run hands over."""
         return (*COLUMNS, EXACT) if self.ablate else COLUMNS
 
+    @property
+    def recorded(self) -> bool:
+        """Whether W_T is also computed on the recorded waveform: with an ablation, which takes causes apart."""
+        return self.ablate
+
     def motion(self, run: Run) -> Waveform:
         """The motion that the servo reaches in a run, on the analyzer's clock."""
         drive = run.condition.drive
@@ -103,12 +109,27 @@ class Campaign:
         analog = conditioned(Transduced(source, tools.states), tools.channels, tools.states)
         acquisition = Emulated(analog, front)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
+        listener = self._listener(run)
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)
+            if listener is not None:
+                listener.hear(block)
             last = number == len(size.blocks) - 1
             rows = self._ledger(run, stand)[:wanted]
             wanted -= len(rows)
-            yield Part(run.name, block, rows, self.demand(run, stand).scalars() if last else None)
+            yield Part(run.name, block, rows, self._scalars(run, stand, listener) if last else None)
+
+    def _listener(self, run: Run) -> Listener | None:
+        """What predicts from the record of a run, where that is wanted."""
+        if not self.recorded:
+            return None
+        size, tools = self.lengths[run.condition.id], self.instruments
+        row = [channel.name for channel in tools.channels].index("acceleration")
+        return Listener(run.condition, self.rig, size, row, tools.table(size.rate, FILTER_DELAY)[row])
+
+    def _scalars(self, run: Run, stand: Stand, listener: Listener | None) -> dict[str, float]:
+        """What a run ends with."""
+        return self.demand(run, stand).scalars() | ({} if listener is None else listener.scalars())
 
     def _source(self, run: Run, stand: Stand) -> PhysicalSource:
         """The channels that are recorded of a stand."""

@@ -1,0 +1,49 @@
+"""The prediction on the waveform that was recorded, beside the one on an ideal sine of the same fundamental."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from analysis.estimate import Estimate
+from analysis.runs import RunEnergy
+from analysis.uncertainty import Line, combine
+
+__all__ = ["Recorded", "on_recorded"]
+
+NUMERICS = 2e-3  # relative standard uncertainty: rows without a period, averaged over the recorded cycles (tests)
+EXPONENT = (
+    2.5  # dlnW_T/dlna where no prediction on a sine tells it: between 2 and 4, acts on u of the acceleration only
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """W_T: mean over the runs of W_T on each one's waveform; difference: W_exp - W_T. J per cycle. lines: the budget,
+    c_T being the derivatives of this W_T."""
+
+    W_T: Estimate
+    difference: Estimate
+    lines: tuple[Line, ...]
+
+
+def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], exponent: float | None) -> Recorded | None:
+    """The recorded waveforms' W_T of a condition with a mean W (J per cycle); None where it is not known of every run.
+
+    lines: of W_exp. The waveform is read with the accelerometer, so that its scale error moves this W_T as it moves the
+    one on a sine.
+    """
+    known = [run.recorded for run in runs if run.recorded is not None and math.isfinite(run.recorded)]
+    if len(known) < len(runs):
+        return None
+    W_T = math.fsum(known) / len(known)
+    n = EXPONENT if exponent is None else exponent
+    own = [
+        replace(line, c_T=n * W_T if line.source in ("acceleration sensitivity", "acceleration gain") else 0.0)
+        for line in lines
+    ]
+    own.append(Line("prediction numerics", "1", NUMERICS / math.sqrt(len(known)), math.inf, 0.0, W_T, shared=False))
+    return Recorded(
+        W_T=combine(W_T, [(line.part_T, line.nu) for line in own]),
+        difference=combine(W - W_T, [(line.part - line.part_T, line.nu) for line in own]),
+        lines=tuple(own),
+    )

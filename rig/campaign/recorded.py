@@ -1,0 +1,61 @@
+"""W_T on the waveform that was recorded: the closed tier driven by the box's measured acceleration."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.correction import without_pole
+from analysis.cycles import Window, on_grid, whole_cycles
+from daq.block import Block
+from daq.channel import ChannelInfo
+from rig.beds.stack import nominal, stack
+from rig.catalog.entries import Rig
+from rig.kernels.sampled import sampled_energy
+from rig.plan import Lengths
+from rig.scene import Condition
+
+SETTLE = 10
+"""Cycles that the rows go through, from rest, before their energies count."""
+
+NAMES = ("W_T_recorded", "W_f_recorded")
+"""Scalars of a run, J per cycle."""
+
+
+class Listener:
+    """Keeps the acceleration's codes of the cycles that are read, 64 at most, and predicts from them what the nominal
+    bed takes: a forecast from the record and the channel table, the actual instruments unknown to it."""
+
+    def __init__(self, condition: Condition, rig: Rig, size: Lengths, row: int, channel: ChannelInfo) -> None:
+        acquire = condition.acquire
+        window = whole_cycles(
+            size.samples, size.rate, condition.drive.frequency,
+            filter_delay=channel.filter_delay, settle=acquire.settle, cycles=acquire.record,
+        )  # fmt: skip
+        self._window: Window = window.segments()[0]
+        self._range = self._window.sample_range()
+        self._condition, self._rig = condition, rig
+        self._row, self._channel = row, channel
+        self._codes: list[NDArray[np.int32]] = []
+
+    def hear(self, block: Block) -> None:
+        """Take what is needed of a block."""
+        first, last = (int(np.clip(edge - block.start, 0, block.count)) for edge in self._range)
+        if last > first:
+            self._codes.append(block.codes[self._row, first:last].copy())
+
+    def scalars(self) -> dict[str, float]:
+        """`NAMES`; nothing where the bed does not slide by design."""
+        if self._condition.scene.bed != "layers":
+            return dict.fromkeys(NAMES, 0.0)
+        window, channel = self._window, self._channel
+        volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
+        acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
+        step = 1.0 / (self._condition.drive.frequency * window.grid.points)
+        if channel.time_constant is not None:
+            acceleration = without_pole(acceleration, channel.time_constant, step)
+        bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
+        friction, collision = sampled_energy(
+            np.repeat(bed.threshold, bed.play.shape[1]), bed.play.ravel(), bed.restitution,
+            acceleration - acceleration.mean(), step, SETTLE * window.grid.points,
+        )  # fmt: skip
+        unit = bed.row_mass / window.cycles
+        return dict(zip(NAMES, (unit * (friction + collision), unit * friction), strict=True))
