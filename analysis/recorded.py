@@ -10,7 +10,7 @@ from analysis.uncertainty import Line, combine
 
 __all__ = ["Recorded", "on_recorded"]
 
-NUMERICS = 2e-3  # relative standard uncertainty: rows without a period, averaged over the recorded cycles (tests)
+NUMERICS = 5e-3  # relative standard uncertainty: averaged over the recorded cycles, rows with several orbits (tests)
 EXPONENT = (
     2.5  # dlnW_T/dlna where no prediction on a sine tells it: between 2 and 4, acts on u of the acceleration only
 )

@@ -16,6 +16,9 @@ from rig.scene import Condition
 SETTLE = 10
 """Cycles that the rows go through, from rest, before their energies count."""
 
+STILL = ("empty", "locked", "dashpot")
+"""Beds that dissipate nothing by the model."""
+
 NAMES = ("W_T_recorded", "W_f_recorded")
 """Scalars of a run, J per cycle."""
 
@@ -43,9 +46,10 @@ class Listener:
             self._codes.append(block.codes[self._row, first:last].copy())
 
     def scalars(self) -> dict[str, float]:
-        """`NAMES`; nothing where the bed does not slide by design."""
-        if self._condition.scene.bed != "layers":
-            return dict.fromkeys(NAMES, 0.0)
+        """`NAMES`; 0 where the bed does not slide by design, nan where there is no such prediction for it."""
+        bed_name = self._condition.scene.bed
+        if bed_name != "layers":
+            return dict.fromkeys(NAMES, 0.0 if bed_name in STILL else float("nan"))
         window, channel = self._window, self._channel
         volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
         acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
