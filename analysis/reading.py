@@ -78,8 +78,8 @@ def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples
     exciter, channel = record.document("exciter"), record.channels.get(CURRENT)
     if exciter is None or channel is None:
         return None
-    acceleration = _channel(record, ACCELERATION)
-    lag = (channel.filter_delay - acceleration.filter_delay) / run.rate + acceleration.skew - channel.skew
+    force = _channel(record, FORCE)  # on its time the phasors of the energies stand
+    lag = (channel.filter_delay - force.filter_delay) / run.rate + force.skew - channel.skew
     total = np.zeros_like(energy.acceleration)
     for part in window.segments():
         first, last = part.sample_range()

@@ -54,8 +54,8 @@ class Listener:
         volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
         acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
         step = 1.0 / (self._condition.drive.frequency * window.grid.points)
-        if channel.time_constant is not None:
-            acceleration = without_pole(acceleration, channel.time_constant, step)
+        for pole in channel.time_constants:
+            acceleration = without_pole(acceleration, pole, step)
         bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
         friction, collision = sampled_energy(
             np.repeat(bed.threshold, bed.play.shape[1]), bed.play.ravel(), bed.restitution,
