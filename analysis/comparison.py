@@ -38,6 +38,7 @@ def agreement(
     left_out: Sequence[Mapping[str, str]] = (),
     expect: Iterable[Mapping[str, Any]] = (),
     actual: Actual | None = None,
+    fidelity: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -46,7 +47,8 @@ def agreement(
     "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
-    actual: the instruments as they really are, for the terms of the offset (simulated sessions only).
+    actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
+    finely and how long each condition was simulated, where that was chosen and not written, as the session says.
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -90,11 +92,13 @@ def agreement(
         "chain": {"share": judged.chain_share, "needed": CHAIN_SHARE},
         "verdict": judged.verdict,
         "reasons": list(judged.reasons),
-        "flags": _flags(results),
+        "flags": _flags(results) + (_too_coarse(results, fidelity) if fidelity else []),
         "left_out": [dict(entry) for entry in left_out],
         "instruments": [_instrument(channel) for channel in channels.values()],
         "assumed": [dict(value) for value in assumed],
     }
+    if fidelity is not None:
+        report["fidelity"] = dict(fidelity)
     mistake = deliberate(results, channels)
     if mistake is not None:
         report["mistake"] = mistake
@@ -219,6 +223,13 @@ def _flags(results: Sequence[Result]) -> list[dict[str, Any]]:
         }
         for flag, found in runs.items()
     ]
+
+
+def _too_coarse(results: Sequence[Result], fidelity: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The flag of the conditions whose predicted error exceeds the tolerance that was asked for."""
+    over = {row["id"]: row["error"] / fidelity["tolerance"] for row in fidelity["conditions"] if not row["met"]}
+    runs = [run.run for result in results if result.setting.id in over for run in result.runs]
+    return [{"flag": "over_tolerance", "worst": max(over.values()), "runs": runs}] if runs else []
 
 
 def _instrument(channel: ChannelFacts) -> dict[str, Any]:

@@ -130,16 +130,16 @@ def offset_figure(report: Row) -> "Figure":
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter("{x:g}")
         axes.axhline(0, color="black", linewidth=0.8)
+        ratio, U = report["agreement"]["ratio"], report["agreement"]["U_ratio"]
+        if ratio is not None:  # before the points: a single one leaves a logarithmic axis without a width
+            axes.axhline(100 * (ratio - 1), color=ORANGE, label="energy-weighted, with U (95 %)")
+            axes.axhspan(100 * (ratio - 1 - U), 100 * (ratio - 1 + U), color=ORANGE, alpha=0.18, linewidth=0)
         axes.errorbar(
             [1e3 * row["W_T"] for row in rows],
             [100 * row["offset"] for row in rows],
             [100 * row["U_offset"] for row in rows],
             fmt="o", color=BLUE, markersize=4, elinewidth=1, capsize=2, label="W_exp / W_T - 1, with U (95 %)",
         )  # fmt: skip
-        ratio, U = report["agreement"]["ratio"], report["agreement"]["U_ratio"]
-        if ratio is not None:
-            axes.axhline(100 * (ratio - 1), color=ORANGE, label="energy-weighted, with U (95 %)")
-            axes.axhspan(100 * (ratio - 1 - U), 100 * (ratio - 1 + U), color=ORANGE, alpha=0.18, linewidth=0)
         axes.set_xlabel("predicted energy W_T, mJ per cycle")
         axes.set_ylabel("offset, %")
         axes.legend(loc="best")

@@ -116,6 +116,7 @@ def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None
         left_out=left_out,
         expect=protocol.get("expect", ()),
         actual=actual_of(record.truth),
+        fidelity=record.document("fidelity"),
     )
 
 

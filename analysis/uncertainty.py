@@ -15,8 +15,8 @@ from analysis.estimate import Estimate, effective_dof
 from analysis.runs import ChannelFacts
 
 __all__ = [
-    "Line", "angle_uncertainty", "certificate_lines", "combine", "noise_of", "numerics_line", "resolution_lines",
-    "scatter_line",
+    "Line", "angle_uncertainty", "certificate_lines", "combine", "noise_at", "noise_of", "numerics_line",
+    "resolution_lines", "scatter_line",
 ]  # fmt: skip
 
 CERTIFICATE_NU = 50.0  # degrees of freedom of a calibration certificate that states k = 2
@@ -168,13 +168,19 @@ def noise_of(energy: Energy, force: ChannelFacts, acceleration: ChannelFacts, sa
     Each quadrature of a phasor has sigma sqrt(2/N) of white noise; W = -(pi/w^2) Im(F A*) turns them into energy. 1/f
     noise counts with its density at the drive, as white noise of that density would.
     """
-    omega = 2 * math.pi * energy.frequency
+    rate = samples * energy.frequency / energy.cycles
     first = abs(complex(energy.force[0]))
-    band = samples * energy.frequency / energy.cycles / 2
+    return noise_at(energy.frequency, first, energy.level, force, acceleration, samples, rate)
+
+
+def noise_at(
+    frequency: float, F: float, a: float, force: ChannelFacts, acceleration: ChannelFacts, samples: int, rate: float
+) -> float:
+    """As noise_of, from the amplitudes of force F (N) and acceleration a (m/s^2) at the fundamental (Hz), sampled at
+    `rate` (Hz)."""
+    omega = 2 * math.pi * frequency
 
     def rms(channel: ChannelFacts) -> float:
-        return math.hypot(channel.noise_rms, channel.flicker * math.sqrt(band / energy.frequency))
+        return math.hypot(channel.noise_rms, channel.flicker * math.sqrt(rate / 2 / frequency))
 
-    return (
-        math.pi / omega**2 * math.sqrt(2 / samples) * math.hypot(first * rms(acceleration), energy.level * rms(force))
-    )
+    return math.pi / omega**2 * math.sqrt(2 / samples) * math.hypot(F * rms(acceleration), a * rms(force))

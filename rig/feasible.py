@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import TYPE_CHECKING
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
 
 from rig.catalog import analyzer, names, transducer
 from rig.catalog.shelves import IDEAL, sensors_for
@@ -19,6 +20,7 @@ from rig.scene import (
     HORIZONTAL_ONLY_BEDS,
     Acquire,
     Drive,
+    Protocol,
     Scene,
 )
 
@@ -166,6 +168,43 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
 @cache
 def _known_analyzer(name: str) -> AnalyzerSpec | None:
     return analyzer(name) if name in (*names("analyzer"), IDEAL) else None
+
+
+FOUND = ("scene.layers.rows", "acquire.settle", "acquire.record")
+"""Fields that `fidelity: auto` finds."""
+
+
+def unfit(protocol: Protocol) -> Iterator[Conflict]:
+    """What does not go with the protocol's `fidelity`."""
+    if protocol.fidelity != "auto":
+        if protocol.tolerance is not None:
+            found = f"{protocol.tolerance:g} with fidelity {protocol.fidelity}"
+            yield Conflict(
+                ("tolerance", "fidelity"), found, "a tolerance with fidelity: auto only", "add fidelity: auto"
+            )
+        return
+    for axis in protocol.vary:
+        for column, path in enumerate(axis.paths):
+            parts = [name[len(path) + 1 :] for name in FOUND if f"{name}.".startswith(f"{path}.")]
+            kept = {tuple(attrgetter(part)(row[column]) for part in parts if part) for row in axis.rows}
+            if "" in parts or len(kept) > 1:
+                found = f"{path} varied with fidelity auto, which finds {' and '.join(FOUND)}"
+                yield Conflict((path, "fidelity"), found, "an axis over other fields, or fidelity: as_written")
+    modes = {protocol.drive.mode, *(value for path, value in _varied(protocol) if path == "drive.mode")}
+    modes |= {value.mode for path, value in _varied(protocol) if path == "drive"}
+    for mode in sorted(modes - {"servo"}):
+        found = f"the drive {mode} with fidelity auto, which looks at beds in a programmed motion"
+        yield Conflict(("drive.mode", "fidelity"), found, "servo, or fidelity: as_written")
+    if protocol.mistake.cycles is not None:
+        found = "a mistake in the cycles that are read, with fidelity auto, which finds acquire.record"
+        yield Conflict(("mistake.cycles", "fidelity"), found, "another mistake, or fidelity: as_written")
+
+
+def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
+    """Every path that varies with each of its values."""
+    for axis in protocol.vary:
+        for row in axis.rows:
+            yield from zip(axis.paths, row, strict=True)
 
 
 def misfits(practice: BadPractice, scene: Scene, acquire: Acquire) -> Iterator[Conflict]:

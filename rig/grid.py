@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rig.errors import InputError, Mistake, in_order
-from rig.feasible import conflicts, misfits
+from rig.feasible import conflicts, misfits, unfit
 from rig.scene import Acquire, Condition, Drive, Protocol, Scene
 
 if TYPE_CHECKING:
@@ -45,6 +45,11 @@ def expand(
     if runs > MAX_RUNS:
         raise InputError(Mistake(place("vary", {}), "vary", f"{runs} runs", f"at most {MAX_RUNS}"))
     mistakes: dict[Mistake, None] = {}
+    for conflict in unfit(protocol):
+        if not failed.intersection(conflict.paths):
+            path = conflict.paths[0]
+            rows = {path: 0} if any(path in axis.paths for axis in protocol.vary) else {}
+            mistakes[Mistake(place(path, rows), path, conflict.found, conflict.allowed, conflict.hint)] = None
     seen: dict[tuple[Scene, Drive, Acquire], Point] = {}
     points = []
     materials: dict[str, Material | None] = {}

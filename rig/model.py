@@ -117,7 +117,9 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
     return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
 
 
-def predict_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
+def predict_about(
+    condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES
+) -> tuple[Prediction, dict[str, list[float]]]:
     """As `predict`, with W_T, W_f and W_c (J) at levels about the set acceleration (m/s^2) beside it.
 
     The table is how W_T is read at the measured acceleration: plain numbers that another model's may replace.
@@ -127,7 +129,7 @@ def predict_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str,
         return _slug_about(condition, rig)
     bed = stack(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
-    totals = [closed(scene, bed, level, drive.frequency) for level in levels]
+    totals = [closed(scene, bed, level, drive.frequency, cycles) for level in levels]
     return _prediction(condition, rig, bed, totals[LEVELS.index(1.0)]), _table(levels, totals)
 
 

@@ -12,6 +12,9 @@ from rig.catalog.entries import Rig
 from rig.gas import LEAST_SHARE, share_of_weight
 from rig.model import Prediction, predict_about
 from rig.scene import Condition, Protocol
+from rig.theory.total import AVERAGED_CYCLES
+
+NOWHERE: Mapping[str, int] = {}
 
 BLOCK = 16384
 """Most samples per channel in one block."""
@@ -63,12 +66,15 @@ def _pieces(samples: int) -> list[int]:
 
 
 def predictions(
-    conditions: Iterable[Condition], rig: Rig, workers: int
+    conditions: Iterable[Condition], rig: Rig, workers: int, averaged: Mapping[str, int] = NOWHERE
 ) -> dict[str, tuple[Prediction, dict[str, list[float]]]]:
-    """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one."""
+    """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one.
+
+    averaged : cycles over which rows without a period are averaged, for conditions that have their own number
+    """
     wanted = tuple(conditions)
     with ThreadPoolExecutor(workers) as pool:
-        found = pool.map(lambda condition: predict_about(condition, rig), wanted)
+        found = pool.map(lambda c: predict_about(c, rig, averaged.get(c.id, AVERAGED_CYCLES)), wanted)
         return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
 
 

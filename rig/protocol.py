@@ -86,6 +86,10 @@ def dump_protocol(protocol: Protocol) -> str:
         "faults": list(protocol.faults),
         "expect": [plain_expect(claim) for claim in protocol.expect],
     }
+    if protocol.fidelity != "as_written":
+        data["fidelity"] = protocol.fidelity
+    if protocol.tolerance is not None:
+        data["tolerance"] = protocol.tolerance
     made = plain(BadPractice, protocol.mistake)
     if protocol.mistake.kinds:
         data["mistake"] = {kind: made[kind] for kind in protocol.mistake.kinds}

@@ -38,6 +38,7 @@ Amplifier = Literal["voltage", "current"]
 GaugeSide = Literal["box", "exciter"]
 Coupled = Literal["DC", "AC", "IEPE"]
 Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
+Fidelity = Literal["as_written", "auto"]
 
 
 @dataclass(frozen=True)
@@ -210,7 +211,11 @@ class Expect:
 
 @dataclass(frozen=True)
 class Protocol:
-    """An experiment as written; the grid runs over `vary` in the order written, the last axis fastest."""
+    """An experiment as written; the grid runs over `vary` in the order written, the last axis fastest.
+
+    fidelity : auto finds rows per layer, settling and record for each condition, so that the error of W per cycle
+        against the fully resolved scene stays within `tolerance` (None: 1 %)
+    """
 
     name: str
     schema: str = SCHEMA
@@ -225,6 +230,8 @@ class Protocol:
     faults: tuple[Mapping[str, Any], ...] = ()
     expect: tuple[Expect, ...] = ()
     mistake: BadPractice = NO_MISTAKE
+    fidelity: Fidelity = "as_written"
+    tolerance: Annotated[float | None, Quantity("number", 0.0, 1.0, above=True)] = None
 
     def conditions(self) -> tuple[Condition, ...]:
         """Every condition of the grid, resolved. InputError lists every value out of range and what does not fit."""

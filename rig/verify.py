@@ -11,7 +11,7 @@ from rig.scene import Protocol
 from rig.strict import Notes, Unreadable, grammar, plain, value_of
 from rig.tree import node_of
 
-CHECKED = ("scene", "drive", "acquire", "repeats", "seed", "mistake")
+CHECKED = ("scene", "drive", "acquire", "repeats", "seed", "mistake", "fidelity", "tolerance")
 
 
 def verify(protocol: Protocol) -> None:

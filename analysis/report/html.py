@@ -6,6 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from analysis.report import wording
+from analysis.report.fidelity import fidelity_sentences
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.style import CSS, SORT
 from analysis.report.tables import Cell, Table, all_tables
@@ -33,6 +34,7 @@ def html_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
         "<ul>" + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report)) + "</ul></section>",
         *(f"<p class='lead'><strong>{escape(text)}</strong></p>" for text in mistake_sentences(report)),
         *map(_table, mistake_tables(report)),
+        *(f"<p>{escape(text)}</p>" for text in fidelity_sentences(report)),
         *map(_figure, drawn),
         *map(_table, all_tables(report)),
         "<section><h2>Again</h2>",

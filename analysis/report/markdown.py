@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from analysis.report import wording
+from analysis.report.fidelity import fidelity_sentences
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.tables import Table, all_tables
 
@@ -26,6 +27,7 @@ def markdown_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
         _plain(wording.headline(report)),
         *(f"**{_plain(text)}**" for text in mistake_sentences(report)),
         *map(_table, mistake_tables(report)),
+        *map(_plain, fidelity_sentences(report)),
         *(f"![{plot.alt}](figures/{plot.name}.svg)" for plot in drawn),
     ]
     parts += [_table(table) for table in all_tables(report)]

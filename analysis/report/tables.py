@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.report.cells import UNBOUNDED, Cell, Table, fixed, number, significant, with_U
+from analysis.report.fidelity import fidelity
 from analysis.report.reasons import causes, offset_terms
 
 __all__ = ["Cell", "Table", "all_tables", "significant", "with_U"]
@@ -24,6 +25,7 @@ def all_tables(report: Report) -> tuple[Table, ...]:
             causes,
             nulls,
             references,
+            fidelity,
             flags,
             budget,
             instruments,

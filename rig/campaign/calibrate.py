@@ -75,7 +75,7 @@ def _check_nulls(campaign: Campaign) -> None:
 
 
 def _accounts(campaign: Campaign, workers: int) -> Sequence[Account]:
-    tables = predictions(campaign.conditions, campaign.rig, workers)
+    tables = predictions(campaign.conditions, campaign.rig, workers, campaign.averaged)
     with ThreadPoolExecutor(workers) as pool:
         return list(pool.map(lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs))
 

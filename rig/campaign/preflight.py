@@ -21,6 +21,7 @@ from rig.ledger import COLUMNS
 from rig.model import predict, total_of
 from rig.scene import Condition
 from rig.stand import Stand
+from rig.theory.total import AVERAGED_CYCLES
 
 AHEAD = 8
 """Chunks of cycles simulated of each condition: the last one stands for the steady state."""
@@ -100,7 +101,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     use = demand(rig.exciter, stand.latest_force, stand.rate, motion, PASS_BAND * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi / motion.omega**2 * apparent_mass(stand, motion) * drive.acceleration**2
-    point = predict(condition, rig)
+    point = predict(condition, rig, campaign.averaged.get(condition.id, AVERAGED_CYCLES))
     U, difference = _plan(campaign, condition, channels, lost, float(reactive))
     return Outlook(
         id=condition.id,

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
+from rig.campaign.fidelity import choices_document, choices_text
 from rig.campaign.practice import told
 from rig.campaign.recorded import NAMES
 from rig.campaign.setup import Campaign
@@ -21,7 +22,7 @@ SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 def session_plan(campaign: Campaign) -> SessionPlan:
     """Everything that a session file holds except the samples."""
-    found = predictions(campaign.conditions, campaign.rig, 1)
+    found = predictions(campaign.conditions, campaign.rig, 1, campaign.averaged)
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
     rate = campaign.lengths[campaign.conditions[0].id].rate
@@ -47,6 +48,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
                                *assumed_settings(campaign.conditions)]},
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
             "exciter": exciter_facts(campaign.rig.exciter),
+            **({"fidelity": choices_document(campaign.choices, protocol.repeats.n)} if campaign.choices else {}),
         },
         truth_documents={
             "instruments": {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)},
@@ -65,9 +67,11 @@ def exciter_facts(exciter: Exciter) -> dict[str, float | str]:
 
 
 def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:
-    """What makes a session this campaign's, by document and key: protocol with its seed, and rig, written out."""
+    """What makes a session this campaign's, by document and key: protocol with its seed, what was chosen for it, and
+    rig, written out."""
+    choices = {"fidelity": choices_text(campaign.choices)} if campaign.choices else {}
     return {
-        "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate},
+        "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate, **choices},
         "rig": {"resolved": dump_rig(campaign.rig)},
     }
 

@@ -1,7 +1,7 @@
 """A protocol with every choice made: what each run is, and its road from the stand to blocks of codes."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from daq.source import PhysicalSource
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
+from rig.campaign.fidelity import chosen
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
 from rig.campaign.recorded import Listener
@@ -24,6 +25,7 @@ from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
+from rig.fidelity.choice import Choice
 from rig.instruments import Instruments, instruments
 from rig.ledger import COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
@@ -39,6 +41,7 @@ class Campaign:
     """A protocol with every choice made and nothing computed yet. Seeds hang on content: (seed, condition, repeat).
 
     ablate : let every run tell, in one more column of its ledger, what its bed would take in the exact waveform
+    choices : what `fidelity: auto` chose, by condition; it stands in the conditions already
     """
 
     protocol: Protocol
@@ -49,15 +52,27 @@ class Campaign:
     lengths: dict[str, Lengths]
     instruments: Instruments
     ablate: bool = False
+    choices: Mapping[str, Choice] = field(default_factory=dict)
 
     @classmethod
     def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
         """Resolve a protocol. Raises InputError for what does not fit together."""
         conditions = protocol.conditions()
         tools = instruments(conditions, rig, protocol.seed)
+        rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
+        choices = {}
+        if protocol.fidelity == "auto":
+            choices = chosen(protocol, conditions, rig, auto_ranged(tools, conditions, rig, rates))
+            conditions = tuple(choices[c.id].applied(c) for c in conditions)
         sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
-        tools = auto_ranged(tools, conditions, rig, {name: size.rate for name, size in sizes.items()})
-        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoiled(tools, protocol.mistake))
+        tools = auto_ranged(tools, conditions, rig, rates)
+        spoilt = spoiled(tools, protocol.mistake)
+        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoilt, choices=choices)
+
+    @property
+    def averaged(self) -> dict[str, int]:
+        """Cycles over which W_T averages rows without a period, where that was chosen, by condition."""
+        return {name: choice.averaged for name, choice in self.choices.items()}
 
     @property
     def rig_time(self) -> float:

@@ -24,13 +24,38 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
     }
     if as_json:
         rows = [{**asdict(o), "flags": list(o.flags)} for o in outlooks]
+        if campaign.choices:
+            rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
         print_json({"conditions": rows, **{k: v for k, v in totals.items() if k != "stand_time_s"}})
     else:
         _print_outlook(outlooks, totals)
+        if campaign.choices:
+            _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
     for line in refused:
         print(f"rig: --strict: {line}", file=sys.stderr)
     return 2 if refused else 0
+
+
+def _print_choices(campaign: Campaign) -> None:
+    """What `fidelity: auto` found for each condition, and where the tolerance is out of reach."""
+    console = terminal()
+    lines = [
+        (
+            name, number(c.rows), *map(str, (c.settle, c.record)), f"{100 * c.error:.2g}",
+            *(f"{100 * part:.2g}" for part in (c.error_rows, c.error_window, c.error_noise)), "yes" if c.met else "no",
+        )
+        for name, c in campaign.choices.items()
+    ]  # fmt: skip
+    tolerance = next(iter(campaign.choices.values())).tolerance
+    title = (
+        f"Fidelity auto, tolerance {100 * tolerance:g} % of W per cycle: rows per layer, cycles, predicted error in %"
+    )
+    columns = ("id", "rows", "settle", "record", "error", "of rows", "of window", "of noise", "met")
+    console.print(table(title, columns, lines, ("id",)))
+    for name, choice in campaign.choices.items():
+        if not choice.met:
+            console.print(f"{name}: the tolerance is not met: {choice.why}")
 
 
 def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float]) -> None:

@@ -50,6 +50,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], lef
 
 def print_report(console: Console, report: Mapping[str, Any]) -> None:
     """The verdict table of a run: a line per condition, the agreement, the nulls, the verdict and its reasons."""
+    from analysis.report.fidelity import fidelity_sentences
     from analysis.report.mistake import mistake_sentences
 
     rows = (
@@ -73,7 +74,7 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
             f"(mean offset {percent(agreement['mean_offset'])} over {agreement['n']} conditions)"
         )
     console.print(f"tests: {report['tests']}; waveform: {report['waveform']} (ideal waveform assumed in servo drive)")
-    for sentence in mistake_sentences(report):
+    for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print(f"\n{sentence}", soft_wrap=True)
     for flag in report["flags"]:
         worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"

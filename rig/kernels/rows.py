@@ -73,7 +73,7 @@ Memory = NDArray[np.void]
 
 
 @njit(cache=True, nogil=True)
-def _recurrence(history: Array, now: int, mode: int, u: float, z: float) -> int:
+def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> int:
     """Smallest period in cycles after which the state at cycle `now` has returned, 0 for none yet."""
     length = history.shape[0]
     for back in range(1, min(now, length) + 1):
@@ -133,7 +133,7 @@ def _steady_energy(
         for n in range(settled + averaged):
             k = n % HISTORY
             if n <= settled:
-                back = _recurrence(history, n, mode, u, z)
+                back = find_recurrence(history, n, mode, u, z)
                 if back > 0:
                     period[r] = back
                     for b in range(1, back + 1):
@@ -240,7 +240,7 @@ def _common(one: int, other: int) -> int:
 def _look_back(row: Any, now: int) -> None:
     """Find the period of a row's orbit from its state at cycle `now`, unless that is done."""
     if row.period == 0:
-        row.period = _recurrence(row.history, now, row.mode, row.u, row.z)
+        row.period = find_recurrence(row.history, now, row.mode, row.u, row.z)
         h = now % STORED_CYCLES
         row.history[h, 0], row.history[h, 1], row.history[h, 2] = row.mode, row.u, row.z
 

@@ -58,6 +58,20 @@ def plastic_bound(mass: float, velocity: float, row_restitution: float) -> float
     return 4.0 * mass * velocity**2 * (1.0 + row_restitution) / (1.0 - row_restitution)
 
 
+def sliding_rows(threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float) -> Rows:
+    """The rows of the layers that an exact sine of peak `acceleration` makes slide, in its units.
+
+    threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
+    play : free play of each row, m, shape (layers, rows)
+    """
+    sine, cosine = np.ones(1), np.zeros(1)
+    flowing = threshold < acceleration
+    band = threshold[flowing] / acceleration
+    free = (play[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
+    layer = np.repeat(np.arange(band.size), play.shape[1])
+    return Rows(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
+
+
 def closed_tier(
     threshold: Array,
     play: Array,
@@ -74,22 +88,15 @@ def closed_tier(
 
     Raises TooManyEvents.
     """
-    sine, cosine = np.ones(1), np.zeros(1)
-    flowing = threshold < acceleration
-    band = threshold[flowing] / acceleration
-    if band.size == 0:
+    rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
+    if rows.play.size == 0:
         return Total(0.0, 0.0, 1, 1.0)
-    omega = 2.0 * np.pi * frequency
-    free = (play[flowing] * (omega**2 / acceleration)).ravel()
-    layer = np.repeat(np.arange(band.size), play.shape[1])
-    tables = crossings(band, sine, cosine, extrema(sine, cosine)).tables
-    rows = Rows(layer, free, row_restitution, band, tables)
-    friction, collision, period = steady_energy(rows, sine, cosine, averaged_cycles)
+    friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
     if (period == -1).any():
         raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
     if (period == -2).any():
         raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
-    unit = row_mass * (acceleration / omega) ** 2
+    unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
     each = friction + collision
     taken = float(each.sum())
     return Total(

@@ -33,6 +33,15 @@ def line(text: str, **changes: list[str]) -> str:
 @pytest.mark.parametrize(
     ("text", "parts"),
     [
+        ("fidelity: aut", ["fidelity: found 'aut'", "as_written, auto", "did you mean 'auto'?"]),
+        ("tolerance: 1 %", ["tolerance: found 0.01 with fidelity as_written", "add fidelity: auto"]),
+        ("{fidelity: auto, tolerance: 0}"[1:-1].replace(", ", "\n"), ["tolerance: found 0", "above 0, at most 1"]),
+        ("scene: {fidelity: auto}", ["scene.fidelity: found the key", "did you mean fidelity?"]),
+        ("vary: {tolerance: [0.01]}", ["vary.tolerance: found the key 'tolerance'", "the path of a field under"]),
+        ("fidelity: auto\nvary: {scene.layers.rows: [4, 8]}", ["scene.layers.rows varied with fidelity auto"]),
+        ("fidelity: auto\nvary: {acquire.settle: [4]}", ["protocol:4: acquire.settle", "fidelity: as_written"]),
+        ("fidelity: auto\nvary: {scene.layers: [{rows: 4}, {rows: 8}]}", ["scene.layers: found scene.layers varied"]),
+        ("fidelity: auto\nmistake: {cycles: 3.5}", ["mistake.cycles: found a mistake in the cycles"]),
         ("sceen: {}", ["protocol:3: sceen: found the key 'sceen'", "did you mean 'scene'?"]),
         ("scene: {frequency: 5 Hz}", ["scene.frequency: found the key", "did you mean drive.frequency?"]),
         ("scene: {grains: {fil: 0.5}}", ["scene.grains.fil: found the key", "did you mean 'fill'?"]),

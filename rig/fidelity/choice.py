@@ -1,0 +1,238 @@
+"""One condition under `fidelity: auto`: what is simulated of it, how finely and how long, and what that leaves out."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from daq.seeds import stream
+from rig.beds.stack import Filling, nominal, refill
+from rig.catalog.entries import Rig
+from rig.catalog.shelves import IDEAL
+from rig.fidelity.lengths import LengthChoice, choose_lengths
+from rig.fidelity.pilot import Look, Pilot, rows_pilot, stand_pilot
+from rig.fidelity.rows import LOOKS, RowsChoice, choose_rows, resolved_rows, with_rows
+from rig.gas import LEAST_SHARE, share_of_weight
+from rig.kernels.rows import HISTORY
+from rig.scene import Acquire, Condition, Protocol, Scene
+from rig.theory.total import AVERAGED_CYCLES
+
+TOLERANCE = 0.01
+"""Relative error of W per cycle where a protocol does not say."""
+
+RIGID = ("empty", "locked", "dashpot")
+"""Beds that are the same in every cycle: nothing in them has to settle."""
+
+LONGER = 2
+"""Times as many cycles that a bed is looked at again where the tolerance is not met at first."""
+
+POURINGS = 2
+"""Pourings looked at beside the nominal filling, where runs are poured."""
+
+FULL_SETTLE, FULL_RECORD = 64, 256
+"""Fully resolved: settled for the longest period that is looked for, and four times as long recorded."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a protocol asks of every condition.
+
+    tolerance : relative error of a condition's W per cycle, mean over its runs, against the fully resolved scene
+    seed, runs : of the protocol; poured : each run has a filling of its own
+    """
+
+    tolerance: float
+    seed: int
+    runs: int
+    poured: bool
+
+    @classmethod
+    def of(cls, protocol: Protocol) -> "Asked":
+        """What a protocol with `fidelity: auto` asks."""
+        tolerance = TOLERANCE if protocol.tolerance is None else protocol.tolerance
+        return cls(tolerance, protocol.seed, protocol.repeats.n, protocol.repeats.refill)
+
+    def drawn(self, condition: Condition) -> int:
+        """Runs with a draw of their own; 0 where all are alike."""
+        return self.runs if self.poured or condition.drive.imperfection != "none" else 0
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What instruments do to the W of one condition: standard deviation from their noise in a record of one cycle, and
+    the energy below which nothing is claimed, J; cycles that the acquisition needs before it is settled."""
+
+    one_cycle: float = 0.0
+    detect: float = 0.0
+    settle: int = 1
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen for a condition, and what it costs in accuracy, relative to W of the fully resolved scene.
+
+    rows : per layer, None for a bed without; written, resolved : (rows, settle, record) of the protocol and of the
+        fully resolved scene
+    error_rows, error_window, error_noise : parts of the error; the window's is that of settling and record together
+    scatter, scatter_resolved : of one pouring's W from where the rows lie, with these rows and with the resolved ones
+    averaged : cycles over which W_T averages rows without a period
+    skipped : what is not simulated, and why
+    row_cycles : cycles of rows that a run holds, by "auto", "written", "resolved"; "planning" : to find this out, once
+    """
+
+    tolerance: float
+    rows: int | None
+    settle: int
+    record: int
+    written: tuple[int, int, int]
+    resolved: tuple[int, int, int]
+    error_rows: float
+    error_window: float
+    error_noise: float
+    scatter: float
+    scatter_resolved: float
+    averaged: int
+    skipped: tuple[str, ...]
+    row_cycles: dict[str, int]
+
+    @property
+    def error(self) -> float:
+        """Predicted error."""
+        return self.error_rows + self.error_window + self.error_noise
+
+    @property
+    def met(self) -> bool:
+        """Whether the tolerance is met."""
+        return self.error <= self.tolerance
+
+    @property
+    def why(self) -> str:
+        """What keeps the tolerance from being met, "" where it is."""
+        parts = {"rows": self.error_rows, "settling and record": self.error_window, "noise": self.error_noise}
+        largest = max(parts, key=lambda name: parts[name])
+        return "" if self.met else f"{largest} leave {100 * parts[largest]:.2g} %"
+
+    def document(self) -> dict[str, Any]:
+        """As plain data for the session."""
+        return {**asdict(self), "error": self.error, "met": self.met, "why": self.why}
+
+    def applied(self, condition: Condition) -> Condition:
+        """The condition with what was chosen. Its seeds stay: they hang on the condition as written."""
+        scene = condition.scene if self.rows is None else with_rows(condition.scene, self.rows)
+        return replace(
+            condition, scene=scene, acquire=replace(condition.acquire, settle=self.settle, record=self.record)
+        )
+
+
+def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> Choice:
+    """The cheapest rows, settling and record within the tolerance; `losses` : J per cycle that the box takes."""
+    scene, drive = condition.scene, condition.drive
+    rows = None
+    if scene.bed == "layers":
+        rows = choose_rows(scene, rig, drive, asked.tolerance, asked.drawn(condition))
+        scene = with_rows(scene, rows.rows)
+    allowed = asked.tolerance - (rows.error if rows else 0.0)
+    look: Look = rows_pilot if rows else stand_pilot
+    planning = rows.planning if rows else 0
+    pilots: list[Pilot] = []
+    first = rows.cycles if rows else LOOKS[0]
+    for cycles in (first, LONGER * first):
+        if scene.bed not in RIGID and (rows is None or rows.pilot.W > 0.0):
+            again = [rows.pilot] if rows and cycles == first else []
+            pilots = again + [look(scene, rig, drive, filling, cycles)
+                              for filling in _fillings(scene, rig, asked, condition)[len(again):]]  # fmt: skip
+            planning += sum(pilot.simulated for pilot in pilots[len(again) :])
+        scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
+        relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
+        lengths = choose_lengths(pilots, allowed, relative, noise.settle)
+        if lengths.error <= allowed or not pilots or lengths.noise > allowed:
+            break
+    return _choice(condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning)
+
+
+def resolved(protocol: Protocol, rig: Rig) -> tuple[tuple[Condition, int], ...]:
+    """A protocol's conditions with the rows that `choose` would give them, for what needs no record, and the cycles
+    over which W_T averages rows without a period."""
+    conditions = protocol.conditions()
+    if protocol.fidelity != "auto":
+        return tuple((condition, AVERAGED_CYCLES) for condition in conditions)
+    asked = Asked.of(protocol)
+    return tuple(_with_found_rows(condition, rig, asked) for condition in conditions)
+
+
+def _with_found_rows(condition: Condition, rig: Rig, asked: Asked) -> tuple[Condition, int]:
+    if condition.scene.bed != "layers":
+        return condition, AVERAGED_CYCLES
+    found = choose_rows(condition.scene, rig, condition.drive, asked.tolerance, asked.drawn(condition))
+    return replace(condition, scene=with_rows(condition.scene, found.rows)), _averaged(found)
+
+
+def _averaged(rows: RowsChoice | None) -> int:
+    return rows.cycles - HISTORY if rows else AVERAGED_CYCLES
+
+
+def _fillings(scene: Scene, rig: Rig, asked: Asked, condition: Condition) -> Sequence[Filling]:
+    rng = stream(asked.seed, condition.seed_key, "fidelity")
+    drawn = [refill(scene, rig, rng) for _ in range(POURINGS)] if asked.poured else []
+    return [nominal(scene, rig), *drawn]
+
+
+def _choice(
+    condition: Condition, tolerance: float, rows: RowsChoice | None, lengths: LengthChoice, skipped: tuple[str, ...],
+    planning: int,
+) -> Choice:  # fmt: skip
+    written = (condition.scene.layers.rows, condition.acquire.settle, condition.acquire.record)
+    resolved = (resolved_rows(condition.scene), FULL_SETTLE, FULL_RECORD)
+    chosen = (rows.rows if rows else 0, lengths.settle, lengths.record)
+    flowing = rows.pilot.flowing if rows else 0
+    counts = {"auto": chosen, "written": written, "resolved": resolved}
+    return Choice(
+        tolerance=tolerance,
+        rows=rows.rows if rows else None,
+        settle=lengths.settle,
+        record=lengths.record,
+        written=written,
+        resolved=resolved,
+        error_rows=rows.error if rows else 0.0,
+        error_window=lengths.window,
+        error_noise=lengths.noise,
+        scatter=rows.scatter if rows else 0.0,
+        scatter_resolved=rows.scatter_resolved if rows else 0.0,
+        averaged=_averaged(rows),
+        skipped=skipped,
+        row_cycles={name: flowing * a * (s + r) for name, (a, s, r) in counts.items()} | {"planning": planning},
+    )
+
+
+def _skipped(condition: Condition, rig: Rig, rows: RowsChoice | None) -> tuple[str, ...]:
+    """What the run leaves out because nothing would come of it."""
+    scene, drive = condition.scene, condition.drive
+    said = {
+        "empty": "bed: the box is empty",
+        "locked": "bed: bonded to the box, carried as mass",
+        "dashpot": "bed: a coefficient, nothing in it settles",
+    }
+    found = [said[scene.bed]] if scene.bed in said else []
+    if rows is not None:
+        still = rows.pilot.layers - rows.pilot.flowing
+        if rows.pilot.layers == 0:
+            found.append("bed: no grains")
+        elif still:
+            found.append(
+                f"{still} of {rows.pilot.layers} layers: below their threshold or without room, carried as mass"
+            )
+        if rows.pilot.W > 0.0:
+            found.append(f"rows that repeat themselves, {100 * rows.pilot.repeating:.3g} % of W: replayed")
+    if "gas" in scene.losses:
+        share = share_of_weight(scene, rig, drive.acceleration, drive.frequency)
+        found += [f"gas: {100 * share:.2g} % of the bed's weight"] if share <= LEAST_SHARE else []
+    return (*found, *_ideal(condition.acquire))
+
+
+def _ideal(acquire: Acquire) -> tuple[str, ...]:
+    """Components that are ideal: their errors are left out."""
+    parts = {
+        "analyzer": (acquire.analyzer, "noise, gain error, skew, clock"),
+        "force sensor": (acquire.sensors.force, "noise, pole, calibration error"),
+        "acceleration sensor": (acquire.sensors.acceleration, "noise, pole, calibration error"),
+    }
+    return tuple(f"{name}: ideal, no {what}" for name, (model, what) in parts.items() if model == IDEAL)

@@ -1,0 +1,99 @@
+"""A look at a bed without a stand: its steady energy row by row, and what the box gives it cycle by cycle."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rig.beds.layers import cannot_follow
+from rig.beds.stack import Filling, stack
+from rig.catalog.entries import Rig
+from rig.drive.waveform import Waveform
+from rig.kernels.row import MAX_EVENTS
+from rig.kernels.rows import HISTORY
+from rig.kernels.transient import transient
+from rig.ledger import COLUMNS
+from rig.losses import LOST
+from rig.scene import Drive, Scene
+from rig.stand import CHUNK_CYCLES, Stand
+from rig.theory.total import sliding_rows
+
+Array = NDArray[np.float64]
+
+EDGES = 64
+"""Sampling edges per cycle of a stand that is asked for energies only: they are found at the events."""
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """A bed from rest on an exact sine at the set acceleration.
+
+    energy : steady energy per cycle of each row that slides, J, shape (layers, rows); of a bed without rows (1, 1)
+    work : of the box on the bed in each cycle, J, shape (cycles,)
+    layers, flowing : layers in all, and those that slide
+    repeating : share of the energy in rows that repeat themselves
+    early : the same sum as the closed tier finds it (`rig.kernels.transient`), J
+    averaging : error of the energy of rows without a period, as a share of all (`_averaging`)
+    simulated : cycles of rows that were simulated
+    """
+
+    energy: Array
+    work: Array
+    layers: int
+    flowing: int
+    repeating: float
+    early: float
+    averaging: float
+    simulated: int
+
+    @property
+    def W(self) -> float:
+        """Steady energy per cycle, J."""
+        return float(self.energy.sum())
+
+
+Look = Callable[[Scene, Rig, Drive, Filling, int], Pilot]
+"""(scene, rig, drive, filling, cycles) -> the bed over its first cycles."""
+
+
+def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: int) -> Pilot:
+    """Bed `layers`: every row until it repeats itself. Raises InputError where a row has too many events."""
+    bed = stack(scene, rig, filling)
+    rows = sliding_rows(bed.threshold, bed.play, bed.restitution, drive.acceleration, drive.frequency)
+    found = transient(rows, np.ones(1), np.zeros(1), cycles)
+    if (found.period < 0).any():
+        raise cannot_follow(bed, f"meets more than {MAX_EVENTS} events in one cycle")
+    unit = bed.row_mass * Waveform(drive.frequency, drive.acceleration).velocity_unit ** 2
+    taken = float(found.energy.sum())
+    return Pilot(
+        energy=unit * found.energy.reshape(-1, scene.layers.rows),
+        work=unit * found.work,
+        layers=bed.threshold.size + round(bed.carried_mass / (bed.row_mass * scene.layers.rows) if bed.row_mass else 0),
+        flowing=rows.band.size,
+        repeating=float(found.energy[found.period > 0].sum()) / taken if taken > 0.0 else 1.0,
+        early=unit * found.early,
+        averaging=_averaging(found.loose[HISTORY:]) / taken if taken > 0.0 else 0.0,
+        simulated=found.simulated,
+    )
+
+
+def stand_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: int) -> Pilot:
+    """Any bed, on a stand with few sampling edges: the steady energy is the mean of the later half."""
+    stand = Stand(scene, rig, Waveform(drive.frequency, drive.acceleration), filling, EDGES * drive.frequency)
+    for _ in range(-(-cycles // CHUNK_CYCLES)):
+        stand.advance()
+    ledger = stand.drain_ledger()[:cycles]
+    lost = ledger[:, [COLUMNS.index(name) for name in LOST]].sum(axis=1)
+    work = ledger[:, COLUMNS.index("W_gauge")] - lost
+    steady = float(work[cycles // 2 :].mean())
+    return Pilot(np.array([[steady]]), work, 0, 0, 1.0, steady, 0.0, cycles)
+
+
+def _averaging(loose: Array) -> float:
+    """Error of the mean of a series: half the range of the means over its quarters, or the difference between its
+    halves where that is more. Twice the standard error of four independent means, and more than what is left where
+    rows settle late."""
+    quarters = np.array([part.mean() for part in np.array_split(loose, 4)])
+    halves = np.array([part.mean() for part in np.array_split(loose, 2)])
+    return float(max(0.5 * np.ptp(quarters), np.ptp(halves)))

@@ -1,0 +1,78 @@
+"""Rows from rest to their steady state: what each takes per cycle in the end, and what all take cycle by cycle."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.row import MAX_EVENTS, Events, Rows, cycle
+from rig.kernels.rows import HISTORY, find_recurrence
+from rig.kernels.waveform import Array, Ints
+
+
+class Transient(NamedTuple):
+    """Rows over some cycles from rest at one wall, units of the waveform.
+
+    energy : steady energy per cycle of each row, shape (rows,): the mean over its period, of a row without one over the
+        cycles behind the first `HISTORY`
+    period : of each row in cycles, 0 for none, -1 where it exceeds `MAX_EVENTS`
+    early : energy per cycle of all rows as `steady_energy` finds it, which looks for periods in the first `HISTORY`
+        cycles only and averages all other rows over the rest
+    work : of the box on all rows in each cycle, shape (cycles,)
+    loose : loss of the rows without a period in each cycle, shape (cycles,)
+    simulated : cycles of rows that were simulated; all others are copies of a period
+    """
+
+    energy: Array
+    period: Ints
+    early: float
+    work: Array
+    loose: Array
+    simulated: int
+
+
+def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
+    """Follow rows through their first cycles, more than `HISTORY` of them."""
+    return Transient(*_transient(*rows, P, Q, cycles))
+
+
+@njit(cache=True, nogil=True)
+def _transient(
+    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, cycles: int
+) -> tuple[Array, Ints, float, Array, Array, int]:
+    count = layer.shape[0]
+    energy, period = np.zeros(count), np.zeros(count, np.int64)
+    total, loose = np.zeros(cycles), np.zeros(cycles)
+    work, lost = np.empty(cycles), np.empty(cycles)
+    history = np.empty((HISTORY, 3))
+    events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+    early, simulated = 0.0, 0
+    for r in range(count):
+        i = layer[r]
+        mode, u, z = 0, 0.0, 0.0
+        last, back = cycles, 0
+        for n in range(cycles):
+            back = find_recurrence(history, n, mode, u, z)
+            if back > 0:
+                last = n
+                break
+            k = n % HISTORY
+            history[k, 0], history[k, 1], history[k, 2] = mode, u, z
+            after = cycle(mode, u, z, band[i], play[r], restitution, tables[i], P, Q, events)
+            mode, u, z = after.mode, after.u, after.z
+            if after.events < 0:
+                last, back = n, -1
+                break
+            work[n], lost[n] = after.work, after.friction + after.collision
+        simulated += last
+        period[r] = back
+        if back < 0:
+            continue
+        for n in range(last, cycles):
+            work[n], lost[n] = work[n - back], lost[n - back]
+        energy[r] = lost[last - back : last].mean() if back > 0 else lost[HISTORY:].mean()
+        early += energy[r] if last <= HISTORY else lost[HISTORY:].mean()
+        total += work
+        if back == 0:
+            loose += lost
+    return energy, period, early, total, loose, simulated

@@ -1,0 +1,181 @@
+"""`fidelity: auto` from the protocol to the report: within its tolerance, said where not, resumed, seeds unmoved."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from small_protocol import IDEAL, Rig
+
+from analysis import write_report
+from daq.session import Recorder, open_session
+from rig.beds.stack import nominal, stack
+from rig.campaign import Campaign, run
+from rig.campaign.session import session_plan
+from rig.catalog import load_rig
+from rig.errors import InputError
+from rig.fidelity.rows import resolved_rows, with_rows
+from rig.model import closed
+from rig.protocol import dump_protocol, load_protocol
+
+TEXT = """\
+schema: rig/protocol/1
+name: auto
+scene: {grains: {material: stainless, diameter: 4 mm, fill: 85 %}, losses: []}
+vary:
+  zip:
+    scene.grains.material: [alumina, stainless, stainless, stainless, stainless, heavy]
+    scene.grains.diameter: [4 mm, 4 mm, 7 mm, 1 mm, 4 mm, 4 mm]
+    scene.grains.fill: [85 %, 30 %, 85 %, 20 %, 95 %, 85 %]
+    drive.acceleration: [2 m/s^2, 5 m/s^2, 6 m/s^2, 4 m/s^2, 3 m/s^2, 3 m/s^2]
+repeats: {n: 1, refill: false}
+fidelity: auto
+tolerance: 1 %
+"""
+"""Conditions as density, fill_rate and size have them, without losses: what is measured is the bed's."""
+
+
+def campaign(*sets: str, text: str = TEXT) -> Campaign:
+    protocol = load_protocol(text, sets)
+    return Campaign.of(protocol, load_rig(protocol.rig), text)
+
+
+def resolved_energies(made: Campaign) -> list[float]:
+    """L2/d rows in every layer, settled for 64 cycles, rows without a period averaged over 4096 more, J per cycle."""
+    found = []
+    for condition in made.conditions:
+        scene = with_rows(condition.scene, resolved_rows(condition.scene))
+        bed, drive = stack(scene, made.rig, nominal(scene, made.rig)), condition.drive
+        found.append(closed(scene, bed, drive.acceleration, drive.frequency, 4096).total)
+    return found
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.01, pytest.param(0.001, marks=pytest.mark.slow)])
+def test_measured_and_predicted_energy_are_within_the_tolerance(tolerance: float, tmp_path: Path) -> None:
+    """No refills, exact waveform, ideal instruments: all that is left is rows, settling and record.
+
+    W_exp may be off by 2e-4 more (arithmetic of the analysis: test_campaign), and what it is compared with is averaged.
+    """
+    made = campaign(f"tolerance={tolerance}", *IDEAL)
+    report = run(made, tmp_path, workers=1)
+    for c, true in zip(report["conditions"], resolved_energies(made), strict=True):
+        assert c["W_exp"] == pytest.approx(true, rel=tolerance + 2e-4)
+        assert c["W_T"] == pytest.approx(true, rel=tolerance + 2e-4)
+    told = report["fidelity"]
+    assert told["not_met"] == []
+    assert all(row["error"] <= tolerance for row in told["conditions"])
+    assert told["cycles"]["auto"] < told["cycles"]["resolved"]
+    if tolerance >= 0.01:
+        assert told["cycles"]["auto"] < told["cycles"]["written"] == 6 * 50
+
+
+def test_as_written_nothing_is_told(tmp_path: Path) -> None:
+    made = campaign("fidelity=as_written", "tolerance=null", "vary={drive.acceleration: [2, 5]}", *IDEAL)
+    report = run(made, tmp_path, workers=1)
+    assert made.choices == {}
+    assert "fidelity" not in report
+    assert "Fidelity" not in (tmp_path / "report.md").read_text()
+
+
+POURED = ("repeats={n: 2, refill: true}", "scene.losses=[noise, air]", "vary={drive.acceleration: [2, 5]}")
+
+
+def test_the_choice_moves_no_seed() -> None:
+    """The same waveform, packing and play as written; only where rows lie in their strata has another size."""
+    auto, written = campaign(*POURED), campaign(*POURED, "fidelity=as_written", "tolerance=null")
+    assert {run.condition.scene.layers.rows for run in auto.runs} != {8}
+    for one, other in zip(auto.runs, written.runs, strict=True):
+        assert one.condition.seed_key == other.condition.seed_key
+        assert auto.motion(one) == written.motion(other)
+        a, b = auto.filling(one), written.filling(other)
+        assert (a.packing, a.play) == (b.packing, b.play)
+
+
+def test_another_condition_in_the_grid_changes_no_choice() -> None:
+    few = campaign(*POURED)
+    more = campaign(*POURED[:2], "vary={drive.acceleration: [1, 2, 5]}")
+    chosen = {c.drive.acceleration: more.choices[c.id] for c in more.conditions}
+    assert [few.choices[c.id] for c in few.conditions] == [chosen[2.0], chosen[5.0]]
+
+
+def test_a_stopped_session_goes_on_with_what_was_chosen(tmp_path: Path) -> None:
+    """Half the runs recorded, then resumed: the same report as in one go; another tolerance is refused by name."""
+    made = campaign(*POURED)
+    whole = run(made, tmp_path / "whole", workers=1)
+    folder = tmp_path / "stopped"
+    folder.mkdir()
+    first = min(made.runs, key=lambda one: one.order)
+    with Recorder.create(folder / "session.h5", session_plan(made)) as recorder:
+        for part in made.parts(first):
+            recorder.append(first.name, part.block)
+            if part.scalars is not None:
+                recorder.finish(first.name, part.scalars)
+    with pytest.raises(InputError) as caught:
+        run(campaign(*POURED, "tolerance=5%"), folder, workers=1, resume=True)
+    assert "tolerance: 0.01" in str(caught.value)
+    run(campaign(*POURED), folder, workers=1, resume=True)
+    with open_session(folder / "session.h5") as record:
+        assert record.complete
+        document = record.document("protocol")
+        assert document is not None
+        assert document["fidelity"].splitlines()[0].startswith("c01: ")
+        assert record.document("fidelity") == whole["fidelity"]
+        assert "fidelity: auto" in document["resolved"]
+
+
+def test_an_unattainable_tolerance_is_said(tmp_path: Path) -> None:
+    """No record of 1024 cycles averages the noise of these instruments down to 1e-6 of W."""
+    text = TEXT.replace("refill: false", "refill: true")
+    sets = ("vary={drive.acceleration: [3, 5]}", "scene.grains.fill=0.1")
+    report = run(campaign("tolerance=1e-6", *sets, text=text), tmp_path, workers=2)
+    told = report["fidelity"]
+    assert told["not_met"] == ["c01", "c02"]
+    assert all(row["why"] and row["error"] > 1e-6 for row in told["conditions"])
+    (flag,) = (flag for flag in report["flags"] if flag["flag"] == "over_tolerance")
+    assert flag["runs"] == ["run_0001", "run_0002"]
+    assert flag["worst"] > 1.0
+    for name in ("report.md", "report.html"):
+        assert "NOT met in c01, c02" in (tmp_path / name).read_text()
+
+
+def test_beds_without_rows_are_not_simulated(tmp_path: Path) -> None:
+    sets = ("vary={scene.bed: [empty, locked, dashpot]}", "repeats={n: 4, refill: true}", "scene.losses=[noise]")
+    made = campaign(*sets)
+    report = run(made, tmp_path, workers=1)
+    rows = {c["bed"]: row for c, row in zip(report["conditions"], report["fidelity"]["conditions"], strict=True)}
+    assert [row["rows"] for row in rows.values()] == [None, None, None]
+    assert all(row["row_cycles"] == dict.fromkeys(row["row_cycles"], 0) for row in rows.values())
+    assert rows["empty"]["skipped"][0] == "bed: the box is empty"
+    assert rows["locked"]["skipped"][0] == "bed: bonded to the box, carried as mass"
+    assert report["fidelity"]["cycles"]["auto"] < report["fidelity"]["cycles"]["written"]
+    assert report["verdict"] == "passes"
+
+
+def test_layers_below_their_threshold_and_ideal_components_are_listed() -> None:
+    (choice,) = campaign("vary={}", "drive.acceleration=1", *IDEAL).choices.values()
+    said = "; ".join(choice.skipped)
+    assert "27 of 85 layers" in said
+    assert "analyzer: ideal" in said
+    assert "force sensor: ideal" in said
+
+
+def test_check_and_model_show_the_plan(rig_command: Rig, tmp_path: Path) -> None:
+    path = tmp_path / "auto.yaml"
+    path.write_text(dump_protocol(load_protocol(TEXT, POURED)))
+    plan = json.loads(rig_command("check", path, "--json").stdout)["conditions"]
+    model = json.loads(rig_command("model", path, "--json").stdout)["conditions"]
+    made = campaign(*POURED)
+    assert [row["fidelity"]["rows"] for row in plan] == [c.rows for c in made.choices.values()]
+    assert [row["W_T"] for row in plan] == [row["W_T"] for row in model]
+    assert "Fidelity auto, tolerance 1 %" in rig_command("check", path).stdout
+
+
+def test_equal_choices_give_equal_reports(tmp_path: Path) -> None:
+    reports: list[dict[str, Any]] = []
+    for workers in (1, 2):
+        made = replace(campaign(*POURED), text="")
+        reports.append(run(made, tmp_path / str(workers), workers=workers))
+        write_report(reports[-1], tmp_path / str(workers))
+    assert (tmp_path / "1/report.html").read_bytes() == (tmp_path / "2/report.html").read_bytes()
+    assert reports[0] == reports[1]
