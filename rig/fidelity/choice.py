@@ -125,7 +125,7 @@ class Choice:
 
 def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> Choice:
     """The cheapest rows, settling and record within the tolerance; `losses` : J per cycle that the box takes."""
-    scene, drive = condition.scene, condition.drive
+    scene, drive, acquire = condition.scene, condition.drive, condition.acquire
     rows = None
     if scene.bed == "layers":
         rows = choose_rows(scene, rig, drive, asked.tolerance, asked.drawn(condition))
@@ -143,7 +143,7 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
             planning += sum(pilot.simulated for pilot in pilots[len(again) :])
         scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
         relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
-        lengths = choose_lengths(pilots, allowed, relative, noise.settle)
+        lengths = choose_lengths(pilots, allowed, relative, noise.settle, acquire.settle + acquire.record)
         if lengths.error <= allowed or not pilots or lengths.noise > allowed:
             break
     return _choice(condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,39 +46,48 @@ class LengthChoice:
         return self.window + self.noise
 
 
-def choose_lengths(pilots: Sequence[Pilot], allowed: float, noise: float, least_settle: int = 1) -> LengthChoice:
-    """The shortest run whose error is at most `allowed`; where there is none, the one with the smallest error.
+def choose_lengths(
+    pilots: Sequence[Pilot], allowed: float, noise: float, least_settle: int = 1, written: int = 50
+) -> LengthChoice:
+    """The shortest run whose error is at most `allowed`; where there is none, the most accurate one that takes no more
+    than `written` cycles in all.
 
     noise : expanded error of a record of one cycle, relative; it falls with the root of the cycles
     """
     series = [pilot.work / pilot.W - 1.0 for pilot in pilots if pilot.W > 0.0]
-    cycles = min((one.size for one in series), default=0)
-    tried = [
-        choice
+    cycles = min((one.size for one in series), default=WINDOWS * RECORDS[-1])
+    worst = {
+        record: _worst([one[:cycles] for one in series], record)[least_settle:] if series else np.zeros(1)
         for record in RECORDS
-        if not series or record <= cycles // WINDOWS
-        for choice in _of_record(record, [one[:cycles] for one in series], allowed, noise, least_settle)
-    ]
-    good = [choice for choice in tried if choice.error <= allowed]
-    if good:
-        return min(good, key=lambda choice: (choice.settle + choice.record, choice.error))
-    return min(tried, key=lambda choice: choice.error)
+        if record <= cycles // WINDOWS
+    }
+    found = [choice for n, errors in worst.items() for choice in _within(n, errors, allowed, noise)]
+    if not found:
+        budget = max(written - least_settle, LEAST_RECORD)
+        found = [choice for n, errors in worst.items() for choice in _in_time(n, errors, noise, budget)]
+        best = min(found, key=lambda choice: choice.error)
+    else:
+        best = min(found, key=lambda choice: (choice.settle + choice.record, choice.error))
+    return replace(best, settle=least_settle + best.settle)
 
 
-def _of_record(
-    record: int, series: Sequence[Array], allowed: float, noise: float, least_settle: int
-) -> Iterator[LengthChoice]:
-    """The shortest settling for a record, and for longer ones that are multiples of it: a mean of windows is off by no
-    more than the worst of them. The last one given is the most accurate."""
-    worst = _worst(series, record)[least_settle:] if series else np.zeros(1)
-    needed = math.inf if noise >= allowed * math.sqrt(LONGEST_RECORD) else (noise / allowed) ** 2
-    longest = LONGEST_RECORD // record
-    first = min(max(math.ceil(needed / record), 1), longest) if needed < math.inf else longest
-    for times in sorted({*range(first, min(first + MULTIPLES, longest) + 1), longest if noise else 1}):
+def _within(record: int, worst: Array, allowed: float, noise: float) -> Iterator[LengthChoice]:
+    """The shortest settling within what is allowed, for a record and for longer ones that are multiples of it: a mean
+    of windows is off by no more than the worst of them. Nothing where none is."""
+    needed = (noise / allowed) ** 2 if noise < allowed * math.sqrt(LONGEST_RECORD) else math.inf
+    first = max(math.ceil(min(needed, 2.0 * LONGEST_RECORD) / record), 1)
+    for times in range(first, min(first + MULTIPLES, LONGEST_RECORD // record) + 1):
         left = noise / math.sqrt(times * record)
         within = np.flatnonzero(worst <= allowed - left)
-        settle = int(within[0]) if within.size else worst.size - 1
-        yield LengthChoice(least_settle + settle, times * record, float(worst[settle]), left)
+        if within.size:
+            yield LengthChoice(int(within[0]), times * record, float(worst[within[0]]), left)
+
+
+def _in_time(record: int, worst: Array, noise: float, budget: int) -> Iterator[LengthChoice]:
+    """Multiples of a record that leave the rest of some cycles to settle."""
+    for times in range(1, budget // record + 1):
+        settle = min(budget - times * record, worst.size - 1)
+        yield LengthChoice(settle, times * record, float(worst[settle]), noise / math.sqrt(times * record))
 
 
 def _worst(series: Sequence[Array], record: int) -> Array:
@@ -87,4 +96,4 @@ def _worst(series: Sequence[Array], record: int) -> Array:
     sums = [np.concatenate(([0.0], np.cumsum(one))) for one in series]
     errors = np.max([np.abs(total[record:] - total[:-record]) / record for total in sums], axis=0)
     behind: Array = np.maximum.accumulate(errors[::-1])[::-1]
-    return behind[: max(behind.size - (WINDOWS - 1) * record, 1)]
+    return behind[: behind.size - (WINDOWS - 1) * record]

@@ -167,10 +167,10 @@ def test_what_the_bed_forbids_is_said() -> None:
     assert found.error > 1e-5
 
 
-def test_what_noise_forbids_is_said() -> None:
-    found = choose_lengths([], 1e-6, 0.1)
+def test_what_noise_forbids_is_said_and_costs_no_more_than_as_written() -> None:
+    found = choose_lengths([], 1e-6, 0.1, least_settle=1, written=50)
     assert found.error > 1e-6
-    assert found.record > LONGEST_RECORD - 480
+    assert (found.settle, found.record) == (1, 49)
 
 
 @pytest.mark.slow
