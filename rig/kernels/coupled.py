@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.two_way import Pull, carry, collide, end_velocity, reached
+from rig.kernels.two_way import Pull, carry, collide, end_velocity, next_walls
 from rig.kernels.waveform import Array
 
 XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
@@ -29,6 +29,10 @@ SIGNALS = 5
 """Per interval: impulse of the stinger's force on the box, change of the box's velocity, integrals of current and
 voltage, change of the armature's velocity. An impact at an edge counts half in the intervals on either side, the last
 line is what falls behind the end."""
+
+
+TOUCH = 0.05
+"""Share of the way that a box of changing speed moves beside its mean: a row that it holds at a wall wobbles less."""
 
 
 class Machine(NamedTuple):
@@ -215,40 +219,50 @@ def stretch(
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
     q, dq = np.empty(SQUARE + 1), np.empty(SQUARE + 1)
-    who, when = np.empty(rows, np.int64), np.empty(rows)
-    k0, guess = 0, 0.0
+    p, slip, heat = np.zeros(rows), np.empty(rows), np.empty(rows)
+    who = np.empty(rows, np.int64)
+    leaning = bool(np.any(hi - lo == math.inf))
+    k0, force, per_time, least, most = 0, 0.0, 1.0, 0.0, 0.0
     while k0 < intervals:
         steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
-        time = steps * h
         _free(y, steps, k0, feed, command, phi, now, following, on, path)
+        for k in range(steps + 1):
+            moved[k] = path[k, X] - y[X] + force * thrust[kind, k, X]
+            speed = path[k, V] + force * thrust[kind, k, V]
+            least, most = (speed, speed) if k == 0 else (min(least, speed), max(most, speed))
+        depth = TOUCH * (most - least) * steps * h
+        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, p, w, u, lo, hi, play, who, slip)
+        if count:
+            steps = min(int(first) + 1, steps)
+        time = steps * h
         start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
-        end, total, air, guide = end_velocity(free - gain * time * guess, start, free, gain, time, around, w, lo, hi)
-        force = -total / time
-        guess = -force
+        end, given, air, guide = end_velocity(
+            free + gain * time * force, start, free, gain, time, around, band, w, lo, hi, p
+        )
+        force, per_time = -given / time, 1.0 / time
         for k in range(1, steps + 1):
             for s in range(STATES):
                 path[k, s] += force * thrust[kind, k, s]
-            moved[k] = path[k, X] - y[X]
-        moved[0] = 0.0
-        count, first = reached(end, time, h, steps, around.pull, moved, w, u, lo, hi, play, who, when)
         stop, after = _within(path, steps, k0, feed, command, on)
-        if count and first + 0.5 < stop:
-            stop, after = max(int(first + 0.5), 1), feed
-        part = stop * h
-        accounts[AIR] += air / time * moved[stop]
-        accounts[GUIDE] += guide / time * moved[stop]
-        rub, lean = carry(end, time, part, moved[stop], around, band, w, u, lo, hi)
-        accounts[FRICTION] += rub
-        accounts[COLLISION] += lean
+        way = path[stop, X] - y[X]
+        accounts[AIR] += air / time * way
+        accounts[GUIDE] += guide / time * way
+        rub, push = carry(
+            (end - start) / time - around.pull, start, time, stop * h, way, around, p, band, w, u, lo, hi, play, slip,
+            heat, leaning, stop == steps and 2 * steps >= longest,
+        )  # fmt: skip
+        accounts[FRICTION] += rub - push
+        accounts[COLLISION] += push
         _account(path, stop, k0, force, -force * h, feed, command, on, signals, accounts, q, dq)
         for s in range(STATES):
             y[s] = path[stop, s]
         if count:
             slow = abs(path[stop, V] - path[stop - 1, V])
-            behind, lost = collide(y[V], stop, h, slow, around, count, who, when, play, w, u, lo, hi)
+            behind, lost = collide(y[V], h, slow, around, count, who, play, w, u, lo, hi)
             signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
             signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])
             accounts[COLLISION] += lost
             y[V] = behind
+            leaning = True
         k0, feed = k0 + stop, after
     return feed, signals, accounts

@@ -18,8 +18,11 @@ from rig.kernels.waveform import Array, Ints
 NEWTON = 100
 """Newton or bisection steps at most; two or three are usual, the last of them as a check."""
 
-ROUND_OFF = 4e-16
-"""Relative residual at which the velocity counts as found."""
+RESIDUAL = 1e-14
+"""Relative residual at which the velocity counts as found: some round-off of a sum over a thousand rows."""
+
+NEAR = 1e-4
+"""Share of its play within which a row that has leaned on a wall still does: impacts elsewhere shake it by less."""
 
 GROUND = 1e7
 """Mass of a guide at rest over that of the box: creep while it holds is below 1e-7 of what friction allows."""
@@ -43,63 +46,103 @@ class Pull(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def rows_impulse(V: float, time: float, pull: float, w: Array, lo: Array, hi: Array) -> tuple[float, float]:
-    """Impulse that the box gives the rows per row mass if it ends a step with velocity V, and how many rows it holds.
-
-    Four sums side by side: independent additions, in an order that is always the same.
-    """
-    n = w.shape[0]
-    V -= pull * time
-    s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
-    h0, h1, h2, h3 = 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 4
-    for i in range(0, whole, 4):
-        d0, d1, d2, d3 = V - w[i], V - w[i + 1], V - w[i + 2], V - w[i + 3]
-        c0 = min(max(d0, lo[i] * time), hi[i] * time)
-        c1 = min(max(d1, lo[i + 1] * time), hi[i + 1] * time)
-        c2 = min(max(d2, lo[i + 2] * time), hi[i + 2] * time)
-        c3 = min(max(d3, lo[i + 3] * time), hi[i + 3] * time)
-        s0 += c0
-        s1 += c1
-        s2 += c2
-        s3 += c3
-        h0 += 1.0 if c0 == d0 else 0.0
-        h1 += 1.0 if c1 == d1 else 0.0
-        h2 += 1.0 if c2 == d2 else 0.0
-        h3 += 1.0 if c3 == d3 else 0.0
+def total(x: Array) -> float:
+    """Sum of an array in eight lanes: independent additions, in an order that is always the same."""
+    n = x.shape[0]
+    a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 8
+    for i in range(0, whole, 8):
+        a += x[i]
+        b += x[i + 1]
+        c += x[i + 2]
+        d += x[i + 3]
+        e += x[i + 4]
+        f += x[i + 5]
+        g += x[i + 6]
+        h += x[i + 7]
     for i in range(whole, n):
-        d0 = V - w[i]
-        c0 = min(max(d0, lo[i] * time), hi[i] * time)
-        s0 += c0
-        h0 += 1.0 if c0 == d0 else 0.0
-    return (s0 + s1) + (s2 + s3), (h0 + h1) + (h2 + h3)
+        a += x[i]
+    return ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
 @njit(cache=True, nogil=True)
-def other_impulse(V: float, start: float, time: float, on: Pull) -> tuple[float, float, float, float]:
-    """Impulses that the box gives air, guide and preload over a step from velocity `start` to V, and their slope."""
-    middle = 0.5 * (start + V)
-    air = on.air * time * middle * abs(middle)
+def impulses(V: float, start: float, time: float, w: Array, lo: Array, hi: Array, p: Array) -> tuple[int, int]:
+    """Impulses per mass, `p`, that give rows a box that ends a step with velocity V (less what gravity gives them).
+
+    Returns how many rows it holds, and how many have changed the sign of their slip since `start`.
+    """
+    held, turned = 0, 0
+    for i in range(w.shape[0]):
+        d = V - w[i]
+        least, most = lo[i] * time, hi[i] * time
+        c = least if d < least else d
+        c = most if c > most else c
+        p[i] = c
+        held += 1 if c == d else 0
+        turned += 1 if (start - w[i]) * (d - c) < 0.0 else 0
+    return held, turned
+
+
+@njit(cache=True, nogil=True)
+def other_impulse(V: float, start: float, speed: float, time: float, on: Pull) -> tuple[float, float, float, float]:
+    """Impulses that the box gives air, guide and preload over a step from velocity `start` to V, and their slope.
+
+    The air's force is k |v| v with |v| = `speed`, foreseen, and v the mean of both ends: linear, and of second order.
+    """
+    air = 0.5 * on.air * time * speed * (start + V)
     hold = GROUND * on.box * V
     limit = on.guide * time
     guide = min(max(hold, -limit), limit)
-    slope = on.air * time * abs(middle) + (GROUND * on.box if guide == hold and limit > 0.0 else 0.0)
+    slope = 0.5 * on.air * time * speed + (GROUND * on.box if guide == hold and limit > 0.0 else 0.0)
     return air, guide, -on.preload * time, slope
 
 
 @njit(cache=True, nogil=True)
+def turn(a: float, start: float, time: float, band: Array, w: Array, p: Array) -> float:
+    """Give rows whose slip changes sign within a step the friction of both parts; the change of all impulses, per mass.
+
+    a : acceleration of the box less that of gravity on the rows. Slip z ends at t = |z|/(band + |a|) and begins anew
+    the other way for |a| > band: p = band (time - 2 t) in the direction of a. The implicit law has it all that way.
+    """
+    change = 0.0
+    for i in range(w.shape[0]):
+        z = start - w[i]
+        if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i]:
+            friction = math.copysign(band[i] * (time - 2.0 * abs(z) / (band[i] + abs(a))), a)
+            if abs(friction) <= abs(p[i]):
+                change += friction - p[i]
+                p[i] = friction
+    return change
+
+
+@njit(cache=True, nogil=True)
 def end_velocity(
-    V: float, start: float, free: float, gain: float, time: float, on: Pull, w: Array, lo: Array, hi: Array
+    V: float,
+    start: float,
+    free: float,
+    gain: float,
+    time: float,
+    on: Pull,
+    band: Array,
+    w: Array,
+    lo: Array,
+    hi: Array,
+    p: Array,
 ) -> tuple[float, float, float, float]:
-    """Box velocity at the end of a step, guessed as V, and the impulses that the box gives: all, the air, the guide."""
+    """Box velocity at the end of a step, guessed as V, and the impulses that the box gives: all, the air, the guide.
+
+    The rows' part of them stands in `p`, per mass.
+    """
+    turned = 0
     low, high = -math.inf, math.inf
-    total, air, guide = 0.0, 0.0, 0.0
+    given, air, guide = 0.0, 0.0, 0.0
+    speed = 0.5 * abs(start + V)
     for _ in range(NEWTON):
-        rows, held = rows_impulse(V, time, on.pull, w, lo, hi)
-        air, guide, preload, slope = other_impulse(V, start, time, on)
-        total = on.row_mass * rows + air + guide + preload
-        error = V - free + gain * total
-        if abs(error) <= ROUND_OFF * (abs(V) + abs(free) + gain * abs(total)):
+        held, turned = impulses(V - on.pull * time, start, time, w, lo, hi, p)
+        air, guide, preload, slope = other_impulse(V, start, speed, time, on)
+        given = on.row_mass * total(p) + air + guide + preload
+        error = V - free + gain * given
+        if abs(error) <= RESIDUAL * (abs(V) + abs(free) + gain * abs(given)):
             break
         if error > 0.0:
             high = V
@@ -111,99 +154,150 @@ def end_velocity(
         if better == V:
             break
         V = better
-    return V, total, air, guide
+    if turned:
+        given += on.row_mass * turn((V - start) / time - on.pull, start, time, band, w, p)
+    return V, given, air, guide
 
 
 @njit(cache=True, nogil=True)
-def reached(
-    V: float, time: float, interval: float, steps: int, pull: float, path: Array, w: Array, u: Array, lo: Array,
-    hi: Array, play: Array, who: Ints, when: Array,
+def next_walls(
+    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, p: Array, w: Array, u: Array,
+    lo: Array, hi: Array, play: Array, who: Ints, room: Array,
 ) -> tuple[int, float]:  # fmt: skip
-    """Rows that reach a wall within a step, in `who`, and `when`, in intervals; their number and the earliest time.
+    """Rows that will pass a wall within some intervals if their friction stays as it was, and when the first one does.
 
-    path : how far the box has moved at the edges of the step, m
+    path : how far the box will have moved at the edges, m; `p`, `per_time` : the latest impulses, and one over the time
+    that they took; depth : how far a row has to pass, m. Rows go to `who`, as -1 - row for the far wall; returns their
+    number and the time in intervals.
     """
-    count, first = 0, math.inf
-    moved = path[steps]
-    V -= pull * time
+    time = steps * interval
+    half, fall = 0.5 * time * time * per_time, 0.5 * time * time * pull - path[steps]
+    beyond = 0
     for i in range(w.shape[0]):
-        p = min(max(V - w[i], lo[i] * time), hi[i] * time)
-        end = u[i] + (w[i] + 0.5 * (p + pull * time)) * time - moved
-        if 0.0 <= end <= play[i]:
+        place = u[i] + w[i] * time + half * p[i] + fall
+        room[i] = place
+        beyond += 1 if (place < -depth) | (place > play[i] + depth) else 0
+    count, first = 0, math.inf
+    if beyond == 0:
+        return count, first
+    for i in range(w.shape[0]):
+        place = room[i]
+        if -depth <= place <= play[i] + depth:
             continue
-        z = w[i] + p - V
-        low = end < 0.0
-        if (low and (z >= 0.0 or hi[i] == math.inf)) or (not low and (z <= 0.0 or lo[i] == -math.inf)):
+        low = place < 0.0
+        if (hi[i] if low else -lo[i]) == math.inf:
             continue
-        a = p / time + pull
-        before = u[i] if low else play[i] - u[i]
-        t = 0.0
-        for k in range(1, steps + 1):
-            s = k * interval
-            now = u[i] + (w[i] + 0.5 * a * s) * s - path[k]
-            gap = now if low else play[i] - now
-            if gap < 0.0:
-                t = k - 1 + (before / (before - gap) if before > 0.0 else 0.0)
-                break
-            before = gap
-        who[count], when[count] = (i if low else -1 - i), t
+        t = _crossing(w[i], p[i] * per_time + pull, u[i], play[i], low, interval, steps, path)
+        who[count] = i if low else -1 - i
         count += 1
         first = min(first, t)
     return count, first
 
 
 @njit(cache=True, nogil=True)
-def carry(
-    V: float, time: float, part: float, moved: float, on: Pull, band: Array, w: Array, u: Array, lo: Array, hi: Array
-) -> tuple[float, float]:
-    """Move the rows through the first `part` (s) of a step of `time` (s); friction heat, and that of leaning, J.
+def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: float, steps: int, path: Array) -> float:
+    """When a row first passes a wall, in intervals: straight between the edges around it; 0 if it is outside."""
+    before = u if low else play - u
+    for k in range(1, steps + 1):
+        s = k * interval
+        now = u + (w + 0.5 * a * s) * s - path[k]
+        gap = now if low else play - now
+        if gap < 0.0:
+            return k - 1 + (before / (before - gap) if before > 0.0 else 0.0)
+        before = gap
+    return float(steps)
 
-    moved : how far the box moves in that part, m
+
+@njit(cache=True, nogil=True)
+def carry(
+    a: float, start: float, time: float, part: float, moved: float, on: Pull, p: Array, band: Array, w: Array, u: Array,
+    lo: Array, hi: Array, play: Array, slip: Array, heat: Array, leaning: bool, settle: bool,
+) -> tuple[float, float]:  # fmt: skip
+    """Move the rows through the first `part` (s) of a step of `time` (s); heat in all, and that of leaning, J.
+
+    a : as in `turn`; moved : how far the box moves in that part, m; `slip`, `heat` are room to work in; leaning : are
+    there rows that do; settle : correct the ways of rows that come to rest. The heat is that of the constant forces.
+    Loops are short and many, so that each is compiled for several rows at a time.
     """
-    heat, leaning = 0.0, 0.0
-    V -= on.pull * time
+    per_time, half, pull, rows = 1.0 / time, 0.5 * part, on.pull, w.shape[0]
+    pushed, bound = 0, time * (1.0 + 1e-9)
+    for i in range(rows):
+        way = moved - (w[i] * part + half * (p[i] * per_time + pull) * part)
+        slip[i] = way
+        heat[i] = p[i] * way
+        pushed += 1 if abs(p[i]) > band[i] * bound else 0
+    rubbed, leant = total(heat), 0.0
+    if pushed:
+        for i in range(rows):
+            given, way, rub = p[i], slip[i], band[i] * time
+            over = given - rub if given > 0.0 else given + rub
+            heat[i] = over * way if abs(given) > rub else 0.0
+        leant = total(heat)
+    if settle:
+        _settle(a, start, time, p, band, w, slip)
+    if leaning:
+        leant += _lean(time, pull * time, p, slip, lo, hi)
+    for i in range(rows):
+        u[i] -= slip[i]
+        w[i] += (p[i] * per_time + pull) * part
+    if leaning:
+        for i in range(rows):
+            least, most = -band[i], hi[i]
+            hi[i] = -least if u[i] > NEAR * play[i] else most
+        for i in range(rows):
+            least, most = lo[i], band[i]
+            lo[i] = -most if play[i] - u[i] > NEAR * play[i] else least
+    return on.row_mass * rubbed * per_time, on.row_mass * leant * per_time
+
+
+@njit(cache=True, nogil=True)
+def _lean(time: float, fall: float, p: Array, slip: Array, lo: Array, hi: Array) -> float:
+    """Keep rows that lean on a wall there unless they slide off; the work of gravity on what is kept, times time."""
+    kept = 0.0
+    if fall != 0.0:
+        for i in range(p.shape[0]):
+            if hi[i] - lo[i] == math.inf and p[i] != lo[i] * time and p[i] != hi[i] * time:
+                kept += slip[i]
+    for i in range(p.shape[0]):
+        least, most, given, way = lo[i], hi[i], p[i], slip[i]
+        slip[i] = 0.0 if (most - least == math.inf) & (given != least * time) & (given != most * time) else way
+    return kept * fall
+
+
+@njit(cache=True, nogil=True)
+def _settle(a: float, start: float, time: float, p: Array, band: Array, w: Array, slip: Array) -> None:
+    """Ways of rows that come to rest in the box within a step: slip z ends at t = |z|/(band - a sign z), way z t/2.
+
+    With the slip spread over the whole step they would creep by an amount of first order in the step.
+    """
     for i in range(w.shape[0]):
-        d = V - w[i]
-        p = min(max(d, lo[i] * time), hi[i] * time)
-        a = p / time
-        way = (w[i] + 0.5 * (a + on.pull) * part) * part
-        slip = moved - way
-        w[i] += (a + on.pull) * part
-        rub = min(max(a, -band[i]), band[i])
-        heat += rub * slip
-        if rub != a:
-            leaning += (a - rub) * slip
-        leans = hi[i] == math.inf or lo[i] == -math.inf
-        if leans and p == d:
-            leaning += on.pull * slip
-            continue
-        u[i] -= slip
-        if leans:
-            lo[i], hi[i] = -band[i], band[i]
-    return on.row_mass * heat, on.row_mass * leaning
+        z, limit, way = start - w[i], band[i], slip[i]
+        rate = limit - a if z > 0.0 else limit + a
+        rests = (abs(p[i]) < limit * time) & (abs(z) < rate * time) & (way != 0.0)
+        slip[i] = 0.5 * z * abs(z) / (rate if rests else 1.0) if rests else way
 
 
 @njit(cache=True, nogil=True)
 def collide(
-    V: float, stop: int, interval: float, threshold: float, on: Pull, count: int, who: Ints, when: Array, play: Array,
-    w: Array, u: Array, lo: Array, hi: Array,
+    V: float, interval: float, threshold: float, on: Pull, count: int, who: Ints, play: Array, w: Array, u: Array,
+    lo: Array, hi: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """Impacts at the edge that ends a step: box velocity behind them, and the energy that they take, J.
+    """Impacts at an edge: box velocity behind them, and the energy that they take, J.
 
-    A row whose impact falls beside the edge is put where it would be had it met the wall at its own time. A rebound
-    slower than `threshold` (m/s) is none: the row leans on the wall.
+    Of the rows in `who`, those that meet their wall within an interval before or after exchange momentum with the box.
+    Then they are put where they would be had they met the wall at their own time. A rebound slower than `threshold`
+    (m/s) is none: the row leans on the wall.
     """
     m = on.row_mass
     share, reduced = m / (m + on.box), m * on.box / (m + on.box)
     lost = 0.0
     for k in range(count):
-        if when[k] > stop + 0.5:
-            continue
         low = who[k] >= 0
         i = who[k] if low else -1 - who[k]
         s = 1.0 if low else -1.0
         closing = s * (V - w[i])
-        if closing <= 0.0:
+        gap = u[i] if low else play[i] - u[i]
+        if closing <= 0.0 or gap > interval * closing:
             continue
         back = on.restitution * closing
         if back <= threshold:
@@ -211,7 +305,7 @@ def collide(
         lost += 0.5 * reduced * (closing * closing - back * back)
         V -= s * share * (closing + back)
         w[i] = V + s * back
-        away = back * (stop - when[k]) * interval
+        away = -gap / closing * back
         place = away if low else play[i] - away
         lost += m * on.pull * (place - u[i])
         u[i] = place
