@@ -154,12 +154,12 @@ class CoupledStand:
             self._machine(interval), self._pull(), self._feed, grid.phi, grid.now, grid.next, grid.thrust, asked,
             self._y, self._w, self._u, self._lo, self._hi, self.bed.band, self.bed.play,
         )  # fmt: skip
-        accounts[kernel.LIMITED] += np.count_nonzero(asked[1:] != told[1:])
+        clipped = float(np.mean((signals[:-1, kernel.LIMITED] > 0.0) | (asked[1:] != told[1:])))
         signals[0, kernel.SPEED] += self._beyond
         self._beyond = float(signals[-1, kernel.SPEED])
         signals = signals[:-1]
         self._rows.append(self._account(accounts, float(time[-1] - time[0]), before, self._energies()))
-        self.limits.append(self._used(accounts, signals.shape[0]))
+        self.limits.append(self._used(accounts, clipped))
         means = signals.reshape(-1, parts, kernel.SIGNALS).sum(axis=1).T * self.rate
         named = {
             "force": means[kernel.MOMENTUM] + self.plant.read_mass * means[kernel.GAUGE_MASS],
@@ -223,7 +223,7 @@ class CoupledStand:
             (electric - lost.sum() - exciter - gauge) / max(scale, abs(electric)),
         ]])  # fmt: skip
 
-    def _used(self, sums: Array, intervals: int) -> Limits:
+    def _used(self, sums: Array, clipped: float) -> Limits:
         e = self._exciter
         force = max(sums[kernel.MOST_PULL], sums[kernel.MOST_PUSH])
         return Limits(
@@ -232,5 +232,5 @@ class CoupledStand:
             stroke=float(sums[kernel.MOST_TRAVEL] / e.stroke),
             force=float(force / e.force_peak),
             buckling=float(sums[kernel.MOST_PUSH] / e.stinger_buckling),
-            clipped=float(sums[kernel.LIMITED] / intervals),
+            clipped=clipped,
         )

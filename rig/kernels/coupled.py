@@ -18,16 +18,16 @@ XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
 STATES = 7
 
 GAUGE, ELECTRIC, COPPER, FLEXURE, STINGER, ISOLATION, COIL, SQUARE, AIR, GUIDE, FRICTION, COLLISION = range(12)
-MOST_VOLTAGE, MOST_CURRENT, MOST_TRAVEL, MOST_PULL, MOST_PUSH, LIMITED = range(12, 18)
-ACCOUNTS = 18
+MOST_VOLTAGE, MOST_CURRENT, MOST_TRAVEL, MOST_PULL, MOST_PUSH = range(12, 17)
+ACCOUNTS = 17
 """What a stretch adds up: works through the gauge plane, out of the amplifier, in copper, flexure, stinger, isolation,
 through the coil; the integral of the box's v^2; works against air, guide, friction and contacts of the rows.
-Then largest values: voltage, current, travel of the coil, stinger tension and compression; and intervals at a limit."""
+Then largest values: voltage, current, travel of the coil, stinger tension and compression."""
 
-MOMENTUM, SPEED, FLOW, PRESSURE, GAUGE_MASS = range(5)
-SIGNALS = 5
+MOMENTUM, SPEED, FLOW, PRESSURE, GAUGE_MASS, LIMITED = range(6)
+SIGNALS = 6
 """Per interval: impulse of the stinger's force on the box, change of the box's velocity, integrals of current and
-voltage, change of the armature's velocity. An impact at an edge counts half in the intervals on either side, the last
+voltage, change of the armature's velocity, 1 where the amplifier is at a limit. An impact at an edge counts half in the intervals on either side, the last
 line is what falls behind the end."""
 
 
@@ -196,14 +196,13 @@ def _account(
         signals[k0 + k, FLOW] = flow
         signals[k0 + k, PRESSURE] = pressure
         signals[k0 + k, GAUGE_MASS] = z[VA] - y[VA]
+        signals[k0 + k, LIMITED] = 1.0 if stuck else 0.0
         pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
         accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
         accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(z[I]))
         accounts[MOST_TRAVEL] = max(accounts[MOST_TRAVEL], abs(z[XA] - z[XB]))
         accounts[MOST_PULL] = max(accounts[MOST_PULL], -pull)
         accounts[MOST_PUSH] = max(accounts[MOST_PUSH], pull)
-    if stuck:
-        accounts[LIMITED] += stop
 
 
 @njit(cache=True, nogil=True)
