@@ -27,8 +27,8 @@ Then largest values: voltage, current, travel of the coil, stinger tension and c
 MOMENTUM, SPEED, FLOW, PRESSURE, GAUGE_MASS, LIMITED = range(6)
 SIGNALS = 6
 """Per interval: impulse of the stinger's force on the box, change of the box's velocity, integrals of current and
-voltage, change of the armature's velocity, 1 where the amplifier is at a limit. An impact at an edge counts half in the intervals on either side, the last
-line is what falls behind the end."""
+voltage, change of the armature's velocity, and 1 where the amplifier is at a limit. An impact at an edge counts half
+in the intervals on either side; the last line is what falls behind the end."""
 
 
 TOUCH = 0.05
