@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from rig.kernels.flight import at, drift, reach, turn
-from rig.kernels.waveform import TWO_PI, Array, Ints, crossings, extrema
+from rig.kernels.waveform import TWO_PI, Array, Ints, crossings, extrema, motion
 
 MAX_EVENTS = 65536
 """Events in one cycle; a slug that needs more (elastic with a tiny gap or a tiny bounce) is refused."""
@@ -86,18 +86,21 @@ def world(
     """A slug's world on a waveform, and its table: lines of phase, box position, box velocity and region behind.
 
     region : -1 where a free slug is pushed up against the box, +1 where it is pushed down, 0 where friction holds it
-    The first line is phase 0, the last 2 pi, the others are where the region changes.
+    The first line is phase 0, the last 2 pi, the others are where the region changes. It is told between two lines, not
+    from the crossings: where a level is just reached two of them are one, in either order.
     """
     if weight and band:
         raise ValueError("weight along the axis and friction of a floor do not go together")
     harmonics = np.arange(1, P.size + 1)
     jerk = float(np.sum(harmonics * np.hypot(P, Q)))
     lines = crossings(np.array([weight or band]), P, Q, extrema(P, Q)).tables[0]
-    if band == 0.0:
-        lines[:, 3] = np.where(lines[:, 3] == -1.0, -1.0, 1.0)
-    inner = np.flatnonzero(lines[1:, 0] < TWO_PI) + 1
-    changed = inner[lines[inner, 3] != lines[inner - 1, 3]]
-    return World(weight, band, lower, upper, restitution, jerk), lines[np.concatenate(([0], changed, [-1]))]
+    lines = lines[np.diff(lines[:, 0], append=np.inf) > 0.0]
+    between = 0.5 * (lines[:-1, 0] + lines[1:, 0])
+    push = -np.array([motion(phase, P, Q)[2] for phase in between])
+    region = np.where(push > (weight or band), -1, np.where(push < (weight if band == 0.0 else -band), 1, 0))
+    lines[:, 3] = np.append(region, region[-1])
+    kept = np.append(np.append(True, region[1:] != region[:-1]), True)
+    return World(weight, band, lower, upper, restitution, jerk), lines[kept]
 
 
 @njit(cache=True, nogil=True, inline="always")

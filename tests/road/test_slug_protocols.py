@@ -1,0 +1,25 @@
+"""The slug protocols end to end: what is read from the records is the exact solution, and the report says so."""
+
+from pathlib import Path
+
+import pytest
+
+from rig.campaign import Campaign, run
+from rig.catalog import load_rig
+from rig.protocol import load_protocol
+
+FOLDER = Path(__file__).parents[2] / "protocols"
+
+
+@pytest.mark.parametrize("name", ["slug_vertical", "slug_zero_gravity"])
+def test_the_slug_follows_its_exact_solution(name: str, tmp_path: Path) -> None:
+    """All claims hold, no limit is exceeded, and each condition that is comparable agrees within its U."""
+    protocol = load_protocol(FOLDER / f"{name}.yaml")
+    report = run(Campaign.of(protocol, load_rig(protocol.rig), (FOLDER / f"{name}.yaml").read_text()), tmp_path)
+    assert {claim["verdict"] for claim in report["claims"]} == {"holds"}
+    assert (report["verdict"], report["flags"]) == ("passes", [])
+    assert report["ledger"]["closure_max"] < 1e-12
+    scores = [row["E_n"] for row in report["conditions"] if row["offset"] is not None]
+    assert len(scores) >= 5
+    # U is for 95 %; the scale of the instruments is one draw for all
+    assert max(map(abs, scores)) < 1.5
