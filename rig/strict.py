@@ -222,6 +222,8 @@ def plain(annotation: Any, value: Any) -> Any:
     if isinstance(value, bool | str) or value is None:
         return value
     quantity = _quantity(extras)
+    if isinstance(value, float):
+        value += 0.0  # a minus zero is a zero
     return value if quantity.dimension == "number" else format_quantity(value, quantity.dimension)
 
 
