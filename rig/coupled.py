@@ -10,7 +10,7 @@ from rig.beds.stack import Filling
 from rig.beds.two_way import TWO_WAY, TwoWay
 from rig.catalog.entries import Rig
 from rig.drive.command import Command
-from rig.drive.electrodynamic import VA, VB, XA, XB, I, Plant, Propagator, V, X, propagator
+from rig.drive.electrodynamic import VA, VB, XA, XB, I, Plant, Propagator, V, X, propagator, steady
 from rig.drive.waveform import Waveform
 from rig.gas import gas_damping
 from rig.kernels import coupled as kernel
@@ -27,6 +27,10 @@ SIGNALS = ("force", "acceleration", "voltage", "current")
 
 LEAST_INTERVALS = 4000
 """Intervals per cycle at least; coarser sampling is subdivided."""
+
+LARGEST_ANGLE = 0.25
+"""Phase in rad that the mode of box and armature on the stinger makes in an interval, at most: what the quadrature of
+its energy leaves grows with the fourth power. Steps are not shortened by it."""
 
 STEPS = 512
 LONGEST_STEP = 1e-4
@@ -73,6 +77,7 @@ class CoupledStand:
         self._viscous = np.array([self.bed.damping, self.losses.noise, self.losses.gas, cords])
         box = box_mass(scene.cavity, rig.wall_density) + self.bed.bonded
         self.plant = Plant.of(rig.exciter, box, rig.gauge_mass, drive.gauge, float(self._viscous.sum()))
+        self._ringing = float(np.sqrt(self.plant.stinger * (1.0 / self.plant.armature + 1.0 / self.plant.box)))
         self._driver = driver
         self._refine = refine
         self._grids: dict[tuple[int, int], Propagator] = {}
@@ -100,11 +105,23 @@ class CoupledStand:
         """Positions (m) and velocities (m/s) of armature, body and box in turn, and the current (A)."""
         return self._y.copy()
 
+    def begin(self, command: Command) -> None:
+        """Start as if the command's last phasors had gone on for ever, and the rows had ridden along (not at rest).
+
+        Saves the wait for the exciter's slow modes. Raises ValueError on a stand that has moved.
+        """
+        if self._done:
+            raise ValueError("the stand has moved already")
+        order = np.arange(1, len(command.phasors) + 1)
+        unit = steady(self.plant, "current" if self._by_current else "voltage", order * command.frequency)
+        self._y[:] = (unit @ np.asarray(command.phasors)).real
+        self._w[:] = self._y[V]
+        self._phasors = command.phasors
+
     @property
-    def momentum(self) -> float:
-        """Momentum of armature, body, box and bed, N s."""
-        p, y = self.plant, self._y
-        return float(p.armature * y[VA] + p.body * y[VB] + p.box * y[V] + self.bed.row_mass * self._w.sum())
+    def bed_momentum(self) -> float:
+        """Momentum of the rows, N s; what is bonded to the box goes with the box."""
+        return float(self.bed.row_mass * self._w.sum())
 
     def read(self, n: int) -> Array:
         """Next n interval means, shape (channels, n); commands come from the driver."""
@@ -140,9 +157,9 @@ class CoupledStand:
     def _cycle(self, command: Command, first: int, last: int) -> Array:
         """Signals from one edge to another."""
         fastest = max(command.frequency, command.last_frequency)
-        parts = self._refine * max(1, int(np.ceil(LEAST_INTERVALS * fastest / self.rate)))
+        parts = self._refine * int(np.ceil(max(LEAST_INTERVALS * fastest, self._ringing / LARGEST_ANGLE) / self.rate))
         fine = self.rate * parts
-        steps = int(max(1.0, min(fine / (fastest * STEPS), LONGEST_STEP * fine / self._refine)) / self._refine)
+        steps = int(min(1.0 / (fastest * STEPS), LONGEST_STEP) * fine / self._refine)
         interval = 1.0 / fine
         time = np.arange(first * parts, last * parts + 1) * interval - self._start
         told = command.values(self._phasors, np.clip(time, 0.0, command.duration))

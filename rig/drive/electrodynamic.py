@@ -103,20 +103,25 @@ class Response:
     travel: Spectrum
 
 
-def response(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Response:
-    """Frequency response of exciter and box to the amplifier's command, V or A, at frequencies in Hz above 0."""
+def steady(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Spectrum:
+    """Complex amplitudes of the states per unit of the amplifier's command, e^(+jwt), shape (7, frequencies)."""
     jw = 2j * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     a = plant.matrix().astype(np.complex128)
     drive = np.zeros(STATES, np.complex128)
-    if amplifier == "voltage":
-        drive[I] = 1.0 / plant.inductance
-        left = jw[:, None, None] * np.eye(STATES) - a
-    else:
+    drive[I] = 1.0 / plant.inductance if amplifier == "voltage" else 1.0
+    if amplifier == "current":
         a[I] = 0.0
-        drive[I] = 1.0
-        left = jw[:, None, None] * np.eye(STATES) - a
+    left = jw[:, None, None] * np.eye(STATES) - a
+    if amplifier == "current":
         left[:, I, I] = 1.0
-    y = np.linalg.solve(left, np.broadcast_to(drive[:, None], (jw.size, STATES, 1)))[..., 0].T
+    y: Spectrum = np.linalg.solve(left, np.broadcast_to(drive[:, None], (jw.size, STATES, 1)))[..., 0].T
+    return y
+
+
+def response(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Response:
+    """Frequency response of exciter and box to the amplifier's command, V or A, at frequencies in Hz above 0."""
+    jw = 2j * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    y = steady(plant, amplifier, frequency)
     pull = plant.stinger * (y[XA] - y[X]) + plant.stinger_damping * (y[VA] - y[V])
     back = plant.force_constant * (y[VA] - y[VB])
     return Response(
