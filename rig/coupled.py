@@ -112,7 +112,7 @@ class CoupledStand:
         """
         if self._done:
             raise ValueError("the stand has moved already")
-        order = np.arange(1, len(command.phasors) + 1)
+        order = np.arange(1.0, len(command.phasors) + 1.0)
         unit = steady(self.plant, "current" if self._by_current else "voltage", order * command.frequency)
         self._y[:] = (unit @ np.asarray(command.phasors)).real
         self._w[:] = self._y[V]

@@ -114,8 +114,8 @@ def steady(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Spec
     left = jw[:, None, None] * np.eye(STATES) - a
     if amplifier == "current":
         left[:, I, I] = 1.0
-    y: Spectrum = np.linalg.solve(left, np.broadcast_to(drive[:, None], (jw.size, STATES, 1)))[..., 0].T
-    return y
+    y = np.linalg.solve(left, np.broadcast_to(drive[:, None], (jw.size, STATES, 1)))
+    return np.asarray(y[..., 0].T, dtype=np.complex128)
 
 
 def response(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Response:
