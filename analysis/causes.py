@@ -131,7 +131,7 @@ def _point(result: Result) -> Point:
     W_T = result.W_T.value if result.W_T else 0.0
     exponent = result.predicted.get("exponent") or 0.0
     return Point(
-        result.mean("level"), s.frequency, M, result.mean("M_eff"), result.W_exp.value, W_T, exponent, s.fill,
+        result.mean("level"), s.frequency, M, result.mean("M_eff"), result.W_exp.value, W_T, exponent, s.fill or 0.0,
         (s.bed, s.material, s.density, s.diameter), (s.frequency, s.acceleration_set),
     )  # fmt: skip
 

@@ -76,7 +76,8 @@ def svg(figure: "Figure", salt: str) -> str:
 
 def swept(rows: Sequence[Row]) -> str:
     """The quantity that the conditions vary: fill, density or diameter, else the acceleration."""
-    varied = (name for name in AXES if len({row[name] for row in rows}) > 1)
+    known = (name for name in AXES if all(row[name] is not None for row in rows))
+    varied = (name for name in known if len({row[name] for row in rows}) > 1)
     return next(varied, "acceleration_set")
 
 
@@ -196,5 +197,7 @@ def _series(rows: Sequence[Row], x: str) -> dict[str, Callable[[Row], bool]]:
 
 
 def _word(name: str, value: Any) -> str:
+    if value is None:
+        return f"{name} not known"
     shown = {"diameter": ("mm", 1e3), "fill": ("%", 100.0), "frequency": ("Hz", 1.0)}
     return f"{value * shown[name][1]:g} {shown[name][0]}" if name in shown else str(value)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis.conditions import DISSIPATED, Result
+from analysis.documents import truth_checked
 from analysis.prediction import Curve
 from analysis.runs import ChannelFacts, RunEnergy, Truth
 from analysis.uncertainty import resolution_lines
@@ -57,7 +58,7 @@ def actual_of(truth: Truth | None) -> Actual | None:
     """The actual instruments of a session; None without truth or where it does not say."""
     if truth is None:
         return None
-    states, clock = truth.document("instruments"), truth.document("clock")
+    states, clock = (truth_checked(name, truth.document(name)) for name in ("instruments", "clock"))
     return None if states is None or clock is None else Actual(states, float(clock["error"]))
 
 

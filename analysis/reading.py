@@ -8,6 +8,7 @@ import numpy as np
 from analysis.coil import Coil, coil_of
 from analysis.comparison import agreement
 from analysis.cycles import Window, on_grid, whole_cycles
+from analysis.documents import checked
 from analysis.energy import Energy, combined, harmonics, window_energy
 from analysis.mistakes import misread
 from analysis.offset import actual_of
@@ -75,7 +76,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
 
 def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples: int) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
-    exciter, channel = record.document("exciter"), record.channels.get(CURRENT)
+    exciter, channel = checked("exciter", record.document("exciter")), record.channels.get(CURRENT)
     if exciter is None or channel is None:
         return None
     force = _channel(record, FORCE)  # on its time the phasors of the energies stand
@@ -103,11 +104,13 @@ def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None
                 known[run.name] = run_energy(record, run)
             except AnalysisError as error:
                 left_out.append({"run": run.name, "why": str(error)})
-    protocol, rig = record.document("protocol") or {}, record.document("rig") or {}
+    protocol, rig, prediction = (
+        checked(name, record.document(name)) or {} for name in ("protocol", "rig", "prediction")
+    )
     return agreement(
         [known[run.name] for run in record.runs if run.name in known],
         record.conditions,
-        record.document("prediction"),
+        prediction,
         record.channels,
         protocol=str(protocol.get("name", "")),
         question=str(protocol.get("question", "")),

@@ -8,11 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.energy import Energy
+from daq.shapes import Choice, Either, Keys, List, Null, Number, Text, YesNo, deviations
 
 if TYPE_CHECKING:
     from analysis.coil import Coil
 
-__all__ = ["AnalysisError", "ChannelFacts", "Record", "RunEnergy", "RunFacts", "Setting", "Signal", "Truth"]
+__all__ = [
+    "CONDITION",
+    "AnalysisError",
+    "ChannelFacts",
+    "Record",
+    "RunEnergy",
+    "RunFacts",
+    "Setting",
+    "Signal",
+    "Truth",
+]
 
 
 class AnalysisError(Exception):
@@ -118,16 +129,41 @@ class Record(Protocol):
     def scalars(self, run: str) -> Mapping[str, float]: ...
 
 
+SIZE, MASS = Number(0.0, 1e9, null=True), Number(0.0, 1e9)
+ONE = Number(1e-9, 1e9)
+MISTAKES = {
+    "pole": {"value": ONE}, "corners": {"corner": ONE}, "cycles": {"value": ONE}, "skew": {"delay": Number(-1e3, 1e3)},
+    "clock": {}, "coil": {}, "offset": {}, "friction": {"gravity": MASS},
+}  # fmt: skip
+MISTAKE = Choice("kind", {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in MISTAKES.items()})
+CONDITION = Keys(
+    {
+        "id": Text(), "material": Text(), "density": SIZE, "diameter": SIZE, "fill": SIZE, "bed": Text(),
+        "drive": Text(), "bed_mass": MASS, "carried": YesNo(), "frequency": ONE, "acceleration_set": MASS,
+        "settle_cycles": MASS, "record_cycles": Number(1, 1e9, whole=True), "box_mass": MASS, "gauge_mass": MASS,
+        "moving_mass": MASS,
+    },
+    {
+        "dashpot_c": SIZE, "mistake": Either(Null(), MISTAKE), "losses": List(Text()), "support": Text(),
+        "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
+    },
+)  # fmt: skip
+"""A condition in the session (SI): what `Setting` takes, and what the table of causes asks for."""
+
+
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A condition: what was set, as the session says. SI units; carried: a bed is there but nothing in it can slide;
-    dashpot_c: N s/m of a dashpot, None for other beds; mistake: what is deliberately done wrong (analysis.mistakes)."""
+    """A condition: what was set, as the session says. SI units, None for what nobody wrote down.
+
+    carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for other beds; mistake:
+    what is deliberately done wrong (analysis.mistakes).
+    """
 
     id: str
     material: str
-    density: float
-    diameter: float
-    fill: float
+    density: float | None
+    diameter: float | None
+    fill: float | None
     bed: str
     drive: str
     bed_mass: float
@@ -144,12 +180,14 @@ class Setting:
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
-        """The setting in a session's condition. AnalysisError naming the first key that is missing."""
+        """The setting in a session's condition. AnalysisError naming the first key that is missing or wrong."""
         known = {"dashpot_c": None, "mistake": None, **condition}
-        try:
-            return cls(**{name: known[name] for name in cls.__slots__})
-        except KeyError as error:
-            raise AnalysisError(f"condition {condition.get('id', '?')} lacks {error.args[0]!r}") from error
+        for name in cls.__slots__:
+            if name not in known:
+                raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")
+        for sentence in deviations(dict(known), CONDITION, f"condition {known['id']}"):
+            raise AnalysisError(sentence)
+        return cls(**{name: known[name] for name in cls.__slots__})
 
     @property
     def is_empty(self) -> bool:

@@ -6,14 +6,16 @@ library then refuses to open the file for writing. A session's metadata never ch
 the mark is safe once no writer is alive. The superblock (versions 2 and 3) ends with a lookup3 checksum.
 """
 
+import io
 import os
 from pathlib import Path
 
-__all__ = ["clear_consistency_flags", "lookup3", "marked_open"]
+__all__ = ["Unmarked", "clear_consistency_flags", "lookup3", "marked_open"]
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 OPEN_FOR_WRITE, OPEN_FOR_SWMR = 1, 4
 VERSION_AT, OFFSET_SIZE_AT, FLAGS_AT, ADDRESSES_AT = 8, 9, 11, 12
+LONGEST_SUPERBLOCK = ADDRESSES_AT + 4 * 255 + 4  # bytes, checksum included
 
 
 def lookup3(data: bytes, initial: int = 0) -> int:
@@ -60,21 +62,52 @@ def clear_consistency_flags(path: Path) -> bool:
     an intact version 2 or 3 superblock, OSError where it cannot be read or written.
     """
     with path.open("r+b") as file:
-        head = file.read(ADDRESSES_AT)
-        if not _has_flags(head):
-            raise ValueError(f"{path} does not begin with an HDF5 superblock of version 2 or 3")
-        body = head + file.read(4 * head[OFFSET_SIZE_AT])
-        if lookup3(body) != int.from_bytes(file.read(4), "little"):
-            raise ValueError(f"the HDF5 superblock of {path} is damaged (its checksum is wrong)")
-        flags = body[FLAGS_AT] & ~(OPEN_FOR_WRITE | OPEN_FOR_SWMR)
-        if flags == body[FLAGS_AT]:
+        old = file.read(LONGEST_SUPERBLOCK)
+        new = _cleared(old, path)
+        if new == old:
             return False
-        body = body[:FLAGS_AT] + bytes([flags]) + body[FLAGS_AT + 1 :]
         file.seek(0)
-        file.write(body + lookup3(body).to_bytes(4, "little"))
+        file.write(new)
         file.flush()
         os.fsync(file.fileno())
         return True
+
+
+class Unmarked(io.FileIO):
+    """An HDF5 file, read only, as it would be without the marks of a dead writer; the file itself keeps them.
+
+    Raises as clear_consistency_flags does.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "r")
+        try:
+            self._head = _cleared(super().read(LONGEST_SUPERBLOCK) or b"", path)
+        except ValueError:
+            self.close()
+            raise
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+        """Bytes from the current position on, those of the superblock without the marks."""
+        start = self.tell()
+        count = super().readinto(buffer) or 0
+        if start < len(self._head):
+            part = self._head[start : start + count]
+            memoryview(buffer).cast("B")[: len(part)] = part
+        return count
+
+
+def _cleared(head: bytes, path: Path) -> bytes:
+    """The first bytes of a file with the marks cleared and the superblock's checksum made anew."""
+    if not _has_flags(head[:ADDRESSES_AT]):
+        raise ValueError(f"{path} does not begin with an HDF5 superblock of version 2 or 3")
+    end = ADDRESSES_AT + 4 * head[OFFSET_SIZE_AT]
+    body = head[:end]
+    if lookup3(body) != int.from_bytes(head[end : end + 4], "little"):
+        raise ValueError(f"the HDF5 superblock of {path} is damaged (its checksum is wrong)")
+    flags = body[FLAGS_AT] & ~(OPEN_FOR_WRITE | OPEN_FOR_SWMR)
+    body = body[:FLAGS_AT] + bytes([flags]) + body[FLAGS_AT + 1 :]
+    return body + lookup3(body).to_bytes(4, "little") + head[end + 4 :]
 
 
 def _has_flags(head: bytes) -> bool:

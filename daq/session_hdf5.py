@@ -5,6 +5,7 @@ allocated when a dataset is created, so that no metadata change while samples ar
 unwritten samples, which the status table does not count.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -13,9 +14,10 @@ from typing import Any
 import h5py
 import numpy as np
 import numpy.typing as npt
-from h5py import h5a, h5d, h5g, h5l, h5o, h5p, h5s, h5t  # type: ignore[attr-defined, unused-ignore]
+from h5py import h5a, h5d, h5g, h5l, h5o, h5p, h5s, h5t, h5z  # type: ignore[attr-defined, unused-ignore]
 
-from daq.hdf5_flags import marked_open
+from daq.hdf5_flags import Unmarked, marked_open
+from daq.writer_lock import is_locked
 
 __all__ = [
     "array",
@@ -30,11 +32,14 @@ __all__ = [
     "read_attributes",
     "read_rows",
     "read_text",
+    "table",
     "text",
     "write_rows",
 ]
 
 AttributeValue = str | int | float | Sequence[str]
+FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32})
+LARGEST_PACKING = 1100  # times that gzip makes zeros smaller, at most
 CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
 SCALAR = h5s.create(h5s.SCALAR)
 
@@ -47,12 +52,14 @@ def open_file(path: Path, mode: str) -> Any:
 def open_for_reading(path: Path) -> Any:
     """Open an HDF5 file (h5py.File) for reading, also while a writer has it open or after the writer was killed.
 
-    The reader's side of the single-writer mode is used only where the file needs it, because in that mode HDF5 takes
-    any damage for a write in progress and tries again for hours.
+    The reader's side of the single-writer mode is used only while a writer lives, because in that mode HDF5 takes
+    any damage for a write in progress and tries again for hours. A dead writer's mark is passed over: it stays in the
+    file, and the library is shown the file without it.
     """
     swmr = marked_open(path)
+    source = Unmarked(path) if swmr and not is_locked(path) else path
     return h5py.File(  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
-        path, "r", libver="latest", swmr=swmr, rdcc_nbytes=CHUNK_CACHE
+        source, "r", libver="latest", swmr=swmr and source is path, rdcc_nbytes=CHUNK_CACHE
     )
 
 
@@ -111,7 +118,7 @@ def members(file: Any, path: str) -> tuple[str, ...]:
     """Names in the group at `path`, sorted; KeyError where there is none."""
     if not has(file, path):
         raise KeyError(f"{path} is missing")
-    return tuple(sorted(str(name) for name in file[path]))
+    return tuple(sorted(name.decode() for name in h5g.open(file.id, path.encode())))
 
 
 def is_text(file: Any, path: str) -> bool:
@@ -124,13 +131,33 @@ def is_text(file: Any, path: str) -> bool:
 
 
 def dataset(file: Any, path: str) -> Any:
-    """Open a dataset (low-level id) whose bytes are in this file; KeyError where there is none."""
+    """Open a dataset (low-level id) whose bytes are in this file, as large as it says it is.
+
+    KeyError where there is none; ValueError where its bytes are elsewhere, fewer than it says, or packed by a filter
+    that not every HDF5 reader has (a filter is code, which a foreign file shall not choose).
+    """
     if not has(file, path):
         raise KeyError(f"{path} is missing")
     found = h5d.open(file.id, path.encode())
     layout = found.get_create_plist()
     if layout.get_layout() == h5d.VIRTUAL or layout.get_external_count():
-        raise KeyError(f"{path} keeps its data in another file")
+        raise ValueError(f"{path} keeps its data in another file")
+    filters = [layout.get_filter(position)[0] for position in range(layout.get_nfilters())]
+    if not FILTERS.issuperset(filters):
+        raise ValueError(f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read")
+    size = math.prod(found.shape) * found.get_type().get_size()
+    packing = LARGEST_PACKING if filters else 1
+    # The file's size first: HDF5 would count the chunks of an absurd dataset one by one.
+    if size > packing * file.id.get_filesize() or size > packing * found.get_storage_size():
+        raise ValueError(f"{path} claims {size} bytes, more than the file holds of it")
+    return found
+
+
+def table(file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Any:
+    """Open a dataset of the given type and shape; KeyError or ValueError where it is another."""
+    found = dataset(file, path)
+    if found.dtype != np.dtype(dtype) or found.shape != shape:
+        raise ValueError(f"{path} holds {found.dtype} of shape {found.shape}, expected {np.dtype(dtype)} of {shape}")
     return found
 
 
@@ -155,8 +182,10 @@ def write_rows(target: Any, start: int, rows: npt.NDArray[Any]) -> None:
 
 
 def read_text(source: Any) -> str:
-    """The value of a scalar text dataset."""
+    """The value of a scalar text dataset of fixed length; ValueError for any other."""
     kind = source.get_type()
+    if source.shape != () or kind.get_class() != h5t.STRING or kind.is_variable_str():
+        raise ValueError("a dataset that is no text of fixed length")
     value = np.zeros((), dtype=f"S{kind.get_size()}")
     source.read(h5s.ALL, h5s.ALL, value, kind)
     return bytes(value[()]).decode()
@@ -173,6 +202,8 @@ def read_attributes(file: Any, path: str) -> dict[str, Any]:
 def _decoded(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.decode()
+    if isinstance(value, np.generic):
+        return value.item()
     if isinstance(value, np.ndarray) and value.dtype.kind in "SO":
         return tuple(_decoded(entry) for entry in value.tolist())
     return value

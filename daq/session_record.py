@@ -1,9 +1,7 @@
 """Reading a session: the waist between acquisition and analysis."""
 
-import dataclasses
-import json
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -13,6 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.channel import ChannelInfo
+from daq.patience import limited
+from daq.session_content import (
+    POSITIVE,
+    block_deviations,
+    channel_deviations,
+    channel_of,
+    plans_of,
+    read_channel_rows,
+    read_json,
+    refuse,
+    status_deviations,
+)
 from daq.session_hdf5 import (
     dataset,
     has,
@@ -22,16 +32,23 @@ from daq.session_hdf5 import (
     read_attributes,
     read_rows,
     read_text,
+    table,
 )
 from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, run_info, status_dtype
+from daq.shapes import LARGEST, Keys, List, Text, YesNo, deviations
 
 __all__ = ["Record", "Truth", "open_session"]
 
 Codes = npt.NDArray[np.int32]
+DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError, MemoryError)
+"""What h5py and the decoders raise on a damaged file."""
 
 
-def open_session(path: Path | str) -> "Record":
+def open_session(path: Path | str, patience: float | None = None) -> "Record":
     """Open a session file for reading, also while it is written or after its writer was killed.
+
+    patience: seconds that the HDF5 library may take over one call before SIGALRM ends the process, None for any time.
+    It is for a process that its parent watches: some damaged files make the library hang or crash.
 
     Raises SessionError where there is no such file, or it is not an intact session of this schema.
     """
@@ -39,13 +56,15 @@ def open_session(path: Path | str) -> "Record":
     if not place.is_file():
         raise SessionError(f"there is no session file {place}")
     try:
-        file = open_for_reading(place)
-    except (OSError, RuntimeError, ValueError) as error:
+        with limited(patience):
+            file = open_for_reading(place)
+    except DAMAGE as error:
         raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
     try:
-        return Record(file, place)
+        return Record(file, place, patience)
     except BaseException:
-        file.close()
+        with suppress(OSError, RuntimeError):
+            file.close()
         raise
 
 
@@ -58,24 +77,28 @@ class Record:
     foreign file cannot point the reader at other files.
     """
 
-    def __init__(self, file: Any, path: Path) -> None:
+    def __init__(self, file: Any, path: Path, patience: float | None = None) -> None:
         self._file = file
         self._path = path
+        self._patience = patience
         self._owned = file.mode == "r"  # a recorder keeps its own file
         self._live = self._owned and file.swmr_mode  # another process may be writing
+        self._known_blocks: tuple[str, npt.NDArray[np.void]] | None = None
         with self.readable():
             root = read_attributes(file, "")
             self.schema = str(root.get("schema", "none"))
             if self.schema != SCHEMA:
-                raise SessionError(f"{path} is not a session: its schema is {self.schema}, expected {SCHEMA}")
+                raise SessionError(f"{path} {_foreign(self.schema)}")
+            refuse(deviations(root, Keys({"synthetic": YesNo()}), "the root's attributes"))
             self.synthetic = bool(root["synthetic"])
+            refuse(deviations(read_attributes(file, "session"), Keys({"rate": POSITIVE}), "session"))
             self.rate = float(read_attributes(file, "session")["rate"])
-            self._plans = {str(row["name"]): RunPlan(**row) for row in self._json("session/runs")}
+            self._plans = plans_of(read_json(file, "session/runs"))
             self._index = {name: position for position, name in enumerate(self._plans)}
-            self._scalar_names = tuple(str(name) for name in self._json("session/scalars"))
-            self.status_rows = self.rows("session/status", status_dtype, 0)
-            if self.status_rows.shape != (len(self._plans),):
-                raise SessionError(f"{path} is damaged: its status table does not match its list of runs")
+            names = read_json(file, "session/scalars")
+            refuse(deviations(names, List(Text()), "session/scalars"))
+            self._scalar_names = tuple(names)
+            self.status_rows = self._status_rows()
 
     def __enter__(self) -> "Record":
         return self
@@ -88,12 +111,13 @@ class Record:
     def close(self) -> None:
         """Close the file; a recorder's own record stays open with its recorder."""
         if self._owned:
-            self._file.close()
+            with suppress(OSError, RuntimeError), limited(self._patience):  # nothing was written: nothing is lost
+                self._file.close()
 
     @property
     def runs(self) -> tuple[RunInfo, ...]:
         """All runs in the order of the plan, with what is valid now."""
-        rows = self.rows("session/status", status_dtype, 0) if self._live else self.status_rows
+        rows = self._status_rows() if self._live else self.status_rows
         return tuple(run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
 
     def run(self, name: str) -> RunInfo:
@@ -115,18 +139,18 @@ class Record:
     def conditions(self) -> dict[str, dict[str, Any]]:
         """Conditions by id, in the order of the plan."""
         with self.readable():
-            return {str(condition["id"]): condition for condition in self._json("session/conditions")}
+            conditions = read_json(self._file, "session/conditions")
+            refuse(deviations(conditions, List(Keys({"id": Text()})), "session/conditions"))
+            return {condition["id"]: condition for condition in conditions}
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
         """The channel table by name, in row order."""
         with self.readable():
-            if not has(self._file, "session/channels"):
-                raise KeyError("session/channels is missing")
-            names = list(self._file["session/channels"])
-            rows = [read_attributes(self._file, f"session/channels/{name}") for name in names]
-            rows.sort(key=lambda row: int(row["position"]))
-            return {info.name: info for info in map(_channel_info, rows)}
+            rows = read_channel_rows(self._file)
+            refuse(channel_deviations(rows))
+            ordered = sorted(rows.values(), key=lambda row: int(row["position"]))
+            return {info.name: info for info in map(channel_of, ordered)}
 
     @cached_property
     def protocol_text(self) -> str:
@@ -139,7 +163,10 @@ class Record:
         """Column names of the ledgers, the same for every run; empty for a record without truth or runs."""
         for run in self._plans:
             if has(self._file, f"{run}/truth/ledger"):
-                return tuple(str(name) for name in self.attributes(f"{run}/truth/ledger")["columns"])
+                columns = self.attributes(f"{run}/truth/ledger").get("columns")
+                if not isinstance(columns, tuple) or not all(isinstance(name, str) for name in columns):
+                    raise SessionError(f"{self._path} is damaged: {run}/truth/ledger does not name its columns")
+                return columns
         return ()
 
     @property
@@ -161,7 +188,7 @@ class Record:
         """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
         channel, status = self._channel(name), self._status(run)
         first, last = self._within(run, status, start, stop)
-        samples = self.rows(f"{run}/data/{name}", "<i4", first, last).astype(np.float64)
+        samples = self._codes(run, name, first, last).astype(np.float64)
         samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
@@ -173,7 +200,7 @@ class Record:
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
         """Converter codes start..stop (default: all valid ones) of a channel, int32."""
         first, last = self._within(run, self._status(run), start, stop)
-        return self.rows(f"{run}/data/{self._channel(name).name}", "<i4", first, last)
+        return self._codes(run, self._channel(name).name, first, last)
 
     def blocks(self, run: str) -> npt.NDArray[np.void]:
         """The blocks recorded so far: start, count, flags and clipped (one column per channel)."""
@@ -183,16 +210,10 @@ class Record:
         """The floats that the run ended with, by name; empty where it is not complete."""
         if not self._scalar_names or not self._status(run)["complete"]:
             return {}
-        values = self.rows(f"{run}/scalars", "<f8", 0, len(self._scalar_names))
+        values = self._rows(f"{run}/scalars", "<f8", (len(self._scalar_names),))
+        if not np.isfinite(values).all():
+            raise SessionError(f"{self._path} is damaged: {run}/scalars holds numbers that are not finite")
         return dict(zip(self._scalar_names, values.tolist(), strict=True))
-
-    def rows(self, path: str, dtype: npt.DTypeLike, start: int, stop: int | None = None) -> npt.NDArray[Any]:
-        """Rows of a dataset of the session (default: to its end) as `dtype`, as they are now."""
-        with self.readable():
-            source = dataset(self._file, path)
-            if self._live:
-                source.refresh()
-            return read_rows(source, dtype, start, source.shape[0] if stop is None else stop)
 
     def attributes(self, path: str) -> dict[str, Any]:
         """Attributes of a group or dataset of the session."""
@@ -207,29 +228,71 @@ class Record:
     def json_or_none(self, path: str) -> Any:
         """The JSON value of the text dataset at `path`, None where there is none."""
         with self.readable():
-            return self._json(path) if has(self._file, path) else None
+            return read_json(self._file, path) if has(self._file, path) else None
 
     @contextmanager
     def readable(self) -> Iterator[None]:
         """Turn what h5py and the decoders raise on a foreign or damaged file into a SessionError."""
         try:
-            yield
-        except (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
-            raise SessionError(f"{self._path} is damaged or not a session: {error}") from error
+            with limited(self._patience):
+                yield
+        except (
+            OSError,
+            RuntimeError,
+            KeyError,
+            ValueError,
+            TypeError,
+            IndexError,
+            AttributeError,
+            MemoryError,
+        ) as error:
+            why = error.args[0] if isinstance(error, KeyError) and error.args else error
+            raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
 
-    def _json(self, path: str) -> Any:
-        return json.loads(read_text(dataset(self._file, path)))
+    def ledger_rows(self, run: str) -> npt.NDArray[np.float64]:
+        """The ledger of a run, (cycles, columns)."""
+        shape = (self._plans[run].ledger_cycles or 0, len(self.ledger_columns))
+        rows = self._rows(f"{run}/truth/ledger", "<f8", shape)
+        if not (np.abs(rows) <= LARGEST).all():
+            raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds numbers that are not finite")
+        return rows
+
+    def _rows(
+        self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], start: int = 0, stop: int | None = None
+    ) -> npt.NDArray[Any]:
+        """Rows start..stop of the table of that type and shape, as they are now."""
+        with self.readable():
+            source = table(self._file, path, dtype, shape)
+            if self._live:
+                source.refresh()
+            return read_rows(source, dtype, start, shape[0] if stop is None else stop)
+
+    def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:
+        return self._rows(f"{run}/data/{channel}", "<i4", (self._plans[run].samples,), start, stop)
+
+    def _status_rows(self) -> npt.NDArray[np.void]:
+        rows = self._rows("session/status", status_dtype, (len(self._plans),))
+        with self.readable():
+            refuse(status_deviations(self._plans, rows))
+        return rows
 
     def _status(self, run: str) -> Any:
         if run not in self._index:
             raise SessionError(f"{self._path} has no run {run!r}")
         index = self._index[run]
-        if self._live:
-            return self.rows("session/status", status_dtype, index, index + 1)[0]
-        return self.status_rows[index]
+        return self._status_rows()[index] if self._live else self.status_rows[index]
 
     def _blocks(self, run: str, status: Any) -> npt.NDArray[np.void]:
-        return self.rows(f"{run}/blocks", block_dtype(len(self.channels)), 0, int(status["blocks"]))
+        """Block rows so far; those of the complete run asked for last are kept."""
+        if self._known_blocks is not None and self._known_blocks[0] == run:
+            return self._known_blocks[1]
+        shape = (self._plans[run].blocks,)
+        rows = self._rows(f"{run}/blocks", block_dtype(len(self.channels)), shape, 0, int(status["blocks"]))
+        with self.readable():
+            refuse(block_deviations(run, int(status["samples"]), rows))
+        if status["complete"]:
+            self._known_blocks = (run, rows)
+        return rows
 
     def _within(self, run: str, status: Any, start: int, stop: int | None) -> tuple[int, int]:
         valid = int(status["samples"])
@@ -260,25 +323,17 @@ class Truth:
 
     def ledger(self, run: str) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
         """Column names and the ledger, (cycles, columns), J per cycle counted from drive time 0."""
-        path = f"{self._record.run(run).name}/truth/ledger"
-        return self._record.ledger_columns, self._record.rows(path, "<f8", 0)
+        return self._record.ledger_columns, self._record.ledger_rows(self._record.run(run).name)
 
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""
         return self._record.json_or_none(f"session/truth/{name}")
 
 
-def _channel_info(attributes: Mapping[str, Any]) -> ChannelInfo:
-    """A row of the channel table from its attributes; an infinite time constant means a response down to DC.
-
-    Fields with a default may be missing: sessions from before they were there have none.
-    """
-    values: dict[str, Any] = {}
-    for field in dataclasses.fields(ChannelInfo):
-        if field.name not in attributes and field.default is not dataclasses.MISSING:
-            continue
-        value = attributes[field.name]
-        values[field.name] = value if isinstance(value, str) else float(value)
-    if not np.isfinite(values["time_constant"]):
-        values["time_constant"] = None
-    return ChannelInfo(**values)
+def _foreign(schema: str) -> str:
+    """Why a file of another schema is not read."""
+    family, _, version = SCHEMA.rpartition("/")
+    other, _, found = schema.rpartition("/")
+    if other == family and found.isdecimal() and int(found) > int(version):
+        return f"was written by a newer version (schema {schema}, this one reads {SCHEMA}): update this program"
+    return f"is not a session: its schema is {schema}, expected {SCHEMA}"

@@ -2,16 +2,36 @@
 
 import os
 import sys
+import time
 from pathlib import Path
 
 if sys.platform != "win32":
     import fcntl
 
-__all__ = ["AlreadyLocked", "WriterLock"]
+__all__ = ["AlreadyLocked", "WriterLock", "is_locked"]
+
+TRIES, PAUSE = 3, 0.02  # s; a reader that looks whether a writer lives holds the lock for a moment (is_locked)
 
 
 class AlreadyLocked(Exception):
     """Another live process writes this file."""
+
+
+def is_locked(path: Path) -> bool:
+    """Whether a live process writes the session at `path`; without file locks (Windows) taken for granted."""
+    if sys.platform == "win32":
+        return True
+    try:
+        descriptor = os.open(path.with_name(path.name + ".lock"), os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
 
 
 class WriterLock:
@@ -27,13 +47,18 @@ class WriterLock:
         self._descriptor = -1
         if sys.platform == "win32":
             return
+        tries = TRIES
         while True:
             self._descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
             try:
                 fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 os.close(self._descriptor)
-                raise AlreadyLocked(f"{path} is being written by another process") from None
+                tries -= 1
+                if not tries:
+                    raise AlreadyLocked(f"{path} is being written by another process") from None
+                time.sleep(PAUSE)
+                continue
             # A holder removes its lock file on release: a lock on a removed file locks nothing, so try again.
             if self._is_current():
                 return

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.report.cells import UNBOUNDED, Cell, Table, fixed, number, significant, with_U
+from analysis.report.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
 from analysis.report.fidelity import fidelity
 from analysis.report.reasons import causes, offset_terms
 
@@ -43,9 +43,11 @@ def conditions(report: Report) -> Table:
     )  # fmt: skip
     rows = []
     for row in report["conditions"]:
-        grains = f"{row['material']} {1e3 * row['diameter']:g} mm" if row["bed"] not in ("empty", "dashpot") else ""
+        size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:g} mm"
+        grains = f"{row['material']}{size}" if row["bed"] not in ("empty", "dashpot") else ""
+        fill = UNKNOWN if row["fill"] is None else Cell(f"{100 * row['fill']:.4g}", row["fill"])
         rows.append((
-            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), Cell(f"{100 * row['fill']:.4g}", row["fill"]),
+            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), fill,
             fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
             with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),

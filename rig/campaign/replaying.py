@@ -22,13 +22,15 @@ def replay(
     speed: float | None = None,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
+    patience: float | None = None,
 ) -> dict[str, Any]:
     """Feed a session's blocks through recorder and analysis; returns the report.
 
     With `out`, a second session and its report are written there: the same codes and the same report, byte for byte.
-    Predictions and truth are those of the session. `speed` is rig seconds per wall second (None: as fast as possible).
+    Predictions and truth are those of the session. `speed` is rig seconds per wall second (None: as fast as possible);
+    `patience` as for `daq.open_session`.
     """
-    with open_session(session) as record:
+    with open_session(session, patience) as record:
         parts = recorded(record, speed)
         if out is None:
             analysis = Analysis(record, progress, done=0)

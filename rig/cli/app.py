@@ -142,6 +142,9 @@ def replay(
 
     Example: rig replay sessions/fill_rate --speed 10 --out sessions/again
     """
+    from rig.cli.watch import go_on_watched
+
+    go_on_watched(session)
     from rig.cli.replay import replay_session
 
     raise typer.Exit(replay_session(session, out, _speed(speed), force, json))
@@ -157,6 +160,9 @@ def report(
 
     Example: rig report sessions/fill_rate
     """
+    from rig.cli.watch import go_on_watched
+
+    go_on_watched(*session)
     from rig.cli.sessions import report_sessions
 
     raise typer.Exit(report_sessions(session, out, json))
@@ -170,6 +176,9 @@ def info(
 
     Example: rig info sessions/fill_rate
     """
+    from rig.cli.watch import go_on_watched
+
+    go_on_watched(session)
     from rig.cli.sessions import session_info
 
     session_info(session, json)

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from rig.campaign import Campaign
 from rig.campaign import Progress as Step
-from rig.cli.tables import number
+from rig.cli.tables import number, scaled
 
 LINES = 12
 """Conditions shown at a time: those that changed last."""
@@ -22,8 +22,8 @@ class Line:
     """What the view says of a condition (SI), and how many runs it has."""
 
     bed: str
-    fill: float
-    diameter: float
+    fill: float | None
+    diameter: float | None
     acceleration: float
     runs: int
 
@@ -68,8 +68,9 @@ class LiveView:
         for key in list(self._sums)[-LINES:]:
             line, found = self._lines[key], self._sums[key]
             table.add_row(
-                key, line.bed, f"{line.fill:.0%}", f"{line.diameter * 1e3:g} mm", f"{line.acceleration:g} m/s2",
-                f"{len(found)}/{line.runs}", f"{number(sum(found) / len(found))} J" if found else "-",
+                key, line.bed, f"{scaled(line.fill, 100)} %", f"{scaled(line.diameter, 1e3)} mm",
+                f"{line.acceleration:g} m/s2", f"{len(found)}/{line.runs}",
+                f"{number(sum(found) / len(found))} J" if found else "-",
                 " ".join(sorted(self._flags[key])),
             )  # fmt: skip
         return Group(self._bar, table)

@@ -4,13 +4,14 @@ from collections import Counter
 from pathlib import Path
 
 from analysis.runs import Setting
-from daq.session import Record, open_session
+from daq.session import Record
 from rig.campaign import replay
 from rig.cli.live import Line, live_view
 from rig.cli.output import PASSES, print_json, print_result
 from rig.cli.run import check_folder
 from rig.cli.sessions import session_file
 from rig.cli.tables import print_report, terminal
+from rig.cli.watch import PATIENCE, open_watched
 from rig.errors import InputError, Mistake
 
 
@@ -21,10 +22,10 @@ def replay_session(session: Path, out: Path | None, speed: float | None, force: 
         if (out / "session.h5").exists() and path.exists() and (out / "session.h5").samefile(path):
             raise InputError(Mistake("--out", "", f"{out}, where the session itself lies", "another folder"))
         check_folder(out, resume=False, force=force)
-    with open_session(path) as record:
+    with open_watched(path) as record:
         lines = lines_of_record(record)
     with live_view(lines, terminal(stderr=True, quiet=as_json)) as view:
-        report = replay(path, out, speed, force, view.step)
+        report = replay(path, out, speed, force, view.step, PATIENCE)
     if as_json:
         print_json(report)
     elif out is None:

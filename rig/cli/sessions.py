@@ -5,12 +5,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from daq.block import flag_names
-from daq.session import Record, open_session
+from daq.session import Record
 from rig.cli.output import PASSES, print_json, print_result
-from rig.cli.tables import number, table
+from rig.cli.tables import number, scaled, table, terminal
+from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
 
 
@@ -23,7 +22,7 @@ def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -
     reports = []
     for session in sessions:
         path = session_file(session)
-        with open_session(path) as record:
+        with open_watched(path) as record:
             reports.append(read_session(record))
         folder = out or path.parent
         write_report(reports[-1], folder)
@@ -36,12 +35,12 @@ def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -
 
 def session_info(session: Path, as_json: bool) -> None:
     """`rig info`."""
-    with open_session(session_file(session)) as record:
+    with open_watched(session_file(session)) as record:
         facts = _facts(record)
     if as_json:
         print_json(facts)
         return
-    console = Console()
+    console = terminal()
     for name in ("protocol", "schema", "synthetic", "complete", "truth", "rate"):
         console.print(f"{name}: {facts[name]}")
     console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
@@ -49,8 +48,8 @@ def session_info(session: Path, as_json: bool) -> None:
          number(c["calibration_U"]))
         for c in facts["channels"]
     ], ("name", "model", "unit")))  # fmt: skip
-    console.print(table("Conditions", ("id", "grains", "bed", "fill", "d/mm", "a", "runs", "complete", "flags"), [
-        (c["id"], c["material"], c["bed"], f"{c['fill']:.0%}", number(c["diameter"] * 1e3),
+    console.print(table("Conditions", ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"), [
+        (c["id"], c["material"], c["bed"], scaled(c["fill"], 100), scaled(c["diameter"], 1e3),
          number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
         for c in facts["conditions"]
     ], ("id", "grains", "bed", "flags")))  # fmt: skip
@@ -59,11 +58,14 @@ def session_info(session: Path, as_json: bool) -> None:
 
 
 def _facts(record: Record) -> dict[str, Any]:
+    from analysis.documents import checked
+    from analysis.runs import Setting
+
     runs: dict[str, list[Any]] = {}
     for run in record.runs:
         runs.setdefault(run.condition, []).append(run)
     return {
-        "protocol": (record.document("protocol") or {}).get("name", ""),
+        "protocol": (checked("protocol", record.document("protocol")) or {}).get("name", ""),
         "schema": record.schema,
         "synthetic": record.synthetic,
         "complete": record.complete,
@@ -78,8 +80,9 @@ def _facts(record: Record) -> dict[str, Any]:
                 "flags": sorted({name for run in runs.get(key, []) for name in flag_names(run.flags)}),
             }
             for key, condition in record.conditions.items()
+            if Setting.of(condition)
         ],
-        "provenance": record.document("provenance") or {},
+        "provenance": checked("provenance", record.document("provenance")) or {},
     }
 
 

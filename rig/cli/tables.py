@@ -11,9 +11,11 @@ PIPE_WIDTH = 200
 
 
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
-    """The console that results or progress are printed to."""
-    console = Console(stderr=stderr, quiet=quiet)
-    return console if console.is_terminal else Console(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
+    """The console that results or progress are printed to; what a foreign file holds is text to it, never markup."""
+    console = Console(stderr=stderr, quiet=quiet, markup=False, emoji=False)
+    if console.is_terminal:
+        return console
+    return Console(stderr=stderr, quiet=quiet, width=PIPE_WIDTH, markup=False, emoji=False)
 
 
 def millijoules(value: float | None, digits: int = 4) -> str:
@@ -31,6 +33,11 @@ def number(value: Any, digits: int = 3) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
     return f"{value:.{digits}g}"
+
+
+def scaled(value: float | None, scale: float) -> str:
+    """A number in another unit, a dash for nothing."""
+    return "-" if value is None else f"{scale * value:g}"
 
 
 def percent(value: float | None) -> str:
@@ -55,7 +62,7 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
 
     rows = (
         (
-            c["id"], c["material"], f"{1e3 * c['diameter']:g}", c["bed"], f"{100 * c['fill']:g}",
+            c["id"], c["material"], scaled(c["diameter"], 1e3), c["bed"], scaled(c["fill"], 100),
             number(c["acceleration"]), millijoules(c["W_exp"]), millijoules(c["U_W_exp"], 2), millijoules(c["W_T"]),
             percent(c["offset"]), number(c["E_n_chain"], 2),
         )

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 
 ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba"),
-    "analysis": ("analysis", "daq.session", "daq.block", "daq.channel", "numpy", "scipy", "matplotlib"),
+    "analysis": ("analysis", "daq.session", "daq.block", "daq.channel", "daq.shapes", "numpy", "scipy", "matplotlib"),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.beds": (
