@@ -1,12 +1,15 @@
 """What the analysis asks of the documents in a session, and the check: anybody may have written them."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from analysis.runs import CONDITION, AnalysisError
 from daq.shapes import Each, Either, Keys, List, Number, Shape, Text, deviations
 
-__all__ = ["DOCUMENTS", "TRUTHS", "checked", "deviations_of", "truth_checked"]
+if TYPE_CHECKING:
+    from daq.session import Record
+
+__all__ = ["DOCUMENTS", "TRUTHS", "checked", "deviations_of", "session_document_deviations", "truth_checked"]
 
 ENERGIES = List(Number(), least=1)
 WORDS = List(Text())
@@ -77,6 +80,25 @@ def truth_checked(name: str, value: Any) -> Any:
     for sentence in deviations(value, TRUTHS[name], f"truth/{name}") if value is not None else ():
         raise AnalysisError(f"the session's document {sentence}")
     return value
+
+
+def session_document_deviations(record: "Record") -> Iterator[str]:
+    """Every deviation in the documents of a session that the analysis reads; those that are no JSON are passed over."""
+    for name in DOCUMENTS:
+        yield from deviations_of(name, _readable(record.document, name))
+    if record.truth is not None:
+        for name, shape in TRUTHS.items():
+            value = _readable(record.truth.document, name)
+            yield from deviations(value, shape, f"truth/{name}") if value is not None else ()
+
+
+def _readable(document: Callable[[str], Any], name: str) -> Any:
+    from daq.session import SessionError
+
+    try:
+        return document(name)
+    except SessionError:
+        return None
 
 
 def _claims(claims: list[dict[str, Any]]) -> Iterator[str]:

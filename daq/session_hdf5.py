@@ -20,6 +20,7 @@ from daq.hdf5_flags import Unmarked, marked_open
 from daq.writer_lock import is_locked
 
 __all__ = [
+    "AttributeValue",
     "array",
     "attributes",
     "dataset",

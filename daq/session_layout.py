@@ -2,13 +2,17 @@
 
 import dataclasses
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from daq.channel import ChannelInfo
-from daq.session_hdf5 import array, attributes, group, text
+from daq.session_hdf5 import AttributeValue, array, attributes, group, text
 from daq.session_plan import CHUNK, RunPlan, SessionError, SessionPlan, block_dtype, status_dtype
 
-__all__ = ["OWN_NAMES", "ROOT_NAMES", "build_session"]
+__all__ = [
+    "OWN_NAMES", "ROOT_NAMES", "build_session", "channel_attributes", "data_attributes", "run_attributes",
+    "signal_attributes",
+]  # fmt: skip
 
 OWN_NAMES = frozenset({"protocol", "conditions", "runs", "scalars", "protocol_text", "status", "channels", "truth"})
 ROOT_NAMES = frozenset({"NX_class", "default", "schema", "synthetic"})
@@ -35,7 +39,7 @@ def build_session(file: Any, plan: SessionPlan) -> None:
     array(session, "status", status_dtype, (len(runs),))
     table = group(session, "channels", {"NX_class": "NXcollection"})
     for position, channel in enumerate(plan.channels):
-        _channel(table, channel, position)
+        group(table, channel.name, channel_attributes(channel, position))
     if plan.synthetic:
         truth = group(session, "truth", {"NX_class": "NXcollection"})
         for name, value in plan.truth_documents.items():
@@ -67,22 +71,12 @@ def _resolved(run: RunPlan, plan: SessionPlan) -> RunPlan:
 
 
 def _run(root: Any, run: RunPlan, plan: SessionPlan) -> None:
-    names = [channel.name for channel in plan.channels]
-    entry = group(root, run.name, {
-        "NX_class": "NXentry", "default": "data", "title": run.title or f"{run.condition}, repeat {run.repeat}",
-        "condition": run.condition, "repeat": run.repeat, "order": run.order, "rate": float(run.rate or plan.rate),
-        "t0": run.t0, "settle_samples": run.settle_samples,
-    })  # fmt: skip
-    data = group(entry, "data", {"NX_class": "NXdata", "signal": names[0], "axes": "."})
-    if names[1:]:
-        attributes(data, {"auxiliary_signals": names[1:]})
+    entry = group(root, run.name, run_attributes(run))
+    data = group(entry, "data", data_attributes(plan.channels))
     for channel in plan.channels:
         codes = array(data, channel.name, "<i4", (run.samples,), chunk=min(CHUNK, run.samples))
-        attributes(codes, {
-            "units": channel.unit, "scale": channel.scale, "offset": channel.offset, "sensitivity": channel.sensitivity,
-            "long_name": f"{channel.quantity}: (code * scale + offset) / sensitivity",
-        })  # fmt: skip
-    array(entry, "blocks", block_dtype(len(names)), (run.blocks,))
+        attributes(codes, signal_attributes(channel))
+    array(entry, "blocks", block_dtype(len(plan.channels)), (run.blocks,))
     if plan.scalars:
         scalars = array(entry, "scalars", "<f8", (len(plan.scalars),))
         attributes(scalars, {"names": plan.scalars})
@@ -92,11 +86,35 @@ def _run(root: Any, run: RunPlan, plan: SessionPlan) -> None:
         attributes(ledger, {"columns": plan.ledger_columns, "units": "J"})
 
 
-def _channel(table: Any, channel: ChannelInfo, position: int) -> None:
-    """One group of attributes per channel; a missing time constant is an infinite one, corner 0 Hz."""
+def run_attributes(run: RunPlan) -> dict[str, AttributeValue]:
+    """Attributes of a run's group."""
+    return {
+        "NX_class": "NXentry", "default": "data", "title": run.title or f"{run.condition}, repeat {run.repeat}",
+        "condition": run.condition, "repeat": run.repeat, "order": run.order, "rate": float(run.rate or 0.0),
+        "t0": run.t0, "settle_samples": run.settle_samples,
+    }  # fmt: skip
+
+
+def data_attributes(channels: Sequence[ChannelInfo]) -> dict[str, AttributeValue]:
+    """Attributes of a run's `data` group: the first channel is the signal that viewers plot."""
+    names = [channel.name for channel in channels]
+    found: dict[str, AttributeValue] = {"NX_class": "NXdata", "signal": names[0], "axes": "."}
+    return found | {"auxiliary_signals": names[1:]} if names[1:] else found
+
+
+def signal_attributes(channel: ChannelInfo) -> dict[str, AttributeValue]:
+    """Attributes of a channel's codes."""
+    return {
+        "units": channel.unit, "scale": channel.scale, "offset": channel.offset, "sensitivity": channel.sensitivity,
+        "long_name": f"{channel.quantity}: (code * scale + offset) / sensitivity",
+    }  # fmt: skip
+
+
+def channel_attributes(channel: ChannelInfo, position: int) -> dict[str, AttributeValue]:
+    """Attributes of a channel's group in the channel table; a missing time constant is infinite, its corner 0 Hz."""
     values = dataclasses.asdict(channel)
     values["time_constant"] = float("inf") if channel.time_constant is None else channel.time_constant
-    group(table, channel.name, {"NX_class": "NXsensor", "position": position, **values, "pole_Hz": channel.pole_Hz})
+    return {"NX_class": "NXsensor", "position": position, **values, "pole_Hz": channel.pole_Hz}
 
 
 def _json(name: str, value: Any) -> str:

@@ -176,6 +176,11 @@ class Record:
             return Truth(self) if has(self._file, "session/truth") else None
 
     @property
+    def scalar_names(self) -> tuple[str, ...]:
+        """Names of the floats that every run ends with."""
+        return self._scalar_names
+
+    @property
     def documents(self) -> tuple[str, ...]:
         """Names of the session's JSON documents."""
         return tuple(name for name in self.texts("session") if name != "protocol_text")

@@ -170,7 +170,12 @@ def report(
 
 @app.command()
 def info(
-    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")], json: Json = False
+    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
+    validate: Annotated[
+        bool,
+        typer.Option("--validate", help="List every deviation from the session format; exit 1 where there is one."),
+    ] = False,
+    json: Json = False,
 ) -> None:
     """Show what is in a session: conditions, completeness, flags, channels, provenance.
 
@@ -179,8 +184,10 @@ def info(
     from rig.cli.watch import go_on_watched
 
     go_on_watched(session)
-    from rig.cli.sessions import session_info
+    from rig.cli.sessions import session_info, validate_session
 
+    if validate:
+        raise typer.Exit(validate_session(session, json))
     session_info(session, json)
 
 

@@ -33,6 +33,24 @@ def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -
     return 0 if all(report["verdict"] == PASSES for report in reports) else 1
 
 
+def validate_session(session: Path, as_json: bool) -> int:
+    """`rig info --validate`: every deviation from the session format; 1 where there is one."""
+    from analysis.documents import session_document_deviations
+    from daq.session_check import session_deviations
+
+    path = session_file(session)
+    with open_watched(path) as record:
+        found = [*session_deviations(record), *session_document_deviations(record)]
+        schema = record.schema
+    if as_json:
+        print_json({"session": str(path), "schema": schema, "deviations": found})
+    else:
+        for sentence in found:
+            print(sentence)
+        print(f"{path}: {len(found) or 'no'} deviation{'' if len(found) == 1 else 's'} from {schema}")
+    return 1 if found else 0
+
+
 def session_info(session: Path, as_json: bool) -> None:
     """`rig info`."""
     with open_watched(session_file(session)) as record:

@@ -1,7 +1,7 @@
 """Files of others are read by a child process: a damaged one can make the HDF5 library crash or hang.
 
 Measured on 4000 mutated sessions, a third of them with their checksums made right again: 3 crashes, 2 hangs
-(docs/decisions/0005-watched-reading.md).
+(docs/decisions/0006-watched-reading.md).
 """
 
 import os

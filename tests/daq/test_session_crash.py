@@ -14,7 +14,9 @@ import pytest
 import session_plans as given
 
 from daq import open_session
+from daq.hdf5_flags import marked_open
 from daq.session import Recorder, SessionError
+from daq.writer_lock import is_locked
 
 STEP = 4000
 SCALARS = {"force_use": 0.5, "stroke_use": 0.25}
@@ -177,3 +179,36 @@ def test_resuming_a_complete_session_changes_nothing(tmp_path: Path) -> None:
     with open_session(path) as record:
         assert record.complete
         assert record.run("run_0002").samples == given.SAMPLES
+
+
+def test_a_killed_writers_file_that_is_damaged_too_is_refused_at_once(tmp_path: Path) -> None:
+    """In the reader's side of the single-writer mode HDF5 would take the damage for a write and wait for its end."""
+    path = tmp_path / "session.h5"
+    with writing(path) as writer:
+        writer.do("run_0001", 0, STEP)
+        writer.kill()
+    assert marked_open(path)
+    data = bytearray(path.read_bytes())
+    start = data.find(b"OHDR", 48)  # an object below the root
+    data[start + 20] ^= 0xFF
+    path.write_bytes(data)
+    before = path.read_bytes()
+    with pytest.raises(SessionError, match="damaged"), open_session(path) as record:
+        for run in record.runs:
+            record.codes(run.name, "force")
+            record.blocks(run.name)
+        record.conditions, record.channels, record.protocol_text, record.scalars("run_0001")  # noqa: B018
+        [record.document(name) for name in record.documents]
+    assert path.read_bytes() == before
+
+
+def test_a_living_writer_is_told_from_a_dead_one(tmp_path: Path) -> None:
+    path = tmp_path / "session.h5"
+    with writing(path) as writer:
+        assert is_locked(path)
+        writer.kill()
+        assert not is_locked(path)
+        assert (tmp_path / "session.h5.lock").exists()
+    with Recorder.resume(path):
+        assert is_locked(path)
+    assert not is_locked(path)
