@@ -31,7 +31,10 @@ EXPECT = List(Keys({
     "imposed": Text(), "cases": List(Keys({"at": Each(Text()), "levels": List(LEVEL)})),
 }))  # fmt: skip
 VALUE = Keys({"path": Text()}, {name: Text(null=True) for name in ("unit", "status", "source")})
-INSTRUMENT = Keys({"sensitivity": Number(), "time_constant": Number(0.0, above=True, null=True), "gain": Number()})
+INSTRUMENT = Keys(
+    {"sensitivity": Number(), "time_constant": Number(0.0, above=True, null=True), "gain": Number()},
+    {"corner": Number(0.0, null=True), "skew": Number(-1.0, 1.0)},
+)
 
 THING, SHARE = Number(1e-9, 1e12), Number(0.0, 1e9)
 EXCITER = Keys(
