@@ -216,8 +216,8 @@ class Record:
         if not self._scalar_names or not self._status(run)["complete"]:
             return {}
         values = self._rows(f"{run}/scalars", "<f8", (len(self._scalar_names),))
-        if not np.isfinite(values).all():
-            raise SessionError(f"{self._path} is damaged: {run}/scalars holds numbers that are not finite")
+        if (np.abs(values) > LARGEST).any():
+            raise SessionError(f"{self._path} is damaged: {run}/scalars holds absurd numbers")
         return dict(zip(self._scalar_names, values.tolist(), strict=True))
 
     def attributes(self, path: str) -> dict[str, Any]:
@@ -259,7 +259,7 @@ class Record:
         shape = (self._plans[run].ledger_cycles or 0, len(self.ledger_columns))
         rows = self._rows(f"{run}/truth/ledger", "<f8", shape)
         if not (np.abs(rows) <= LARGEST).all():
-            raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds numbers that are not finite")
+            raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds absurd numbers")
         return rows
 
     def _rows(
