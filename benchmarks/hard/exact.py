@@ -96,7 +96,7 @@ def bounces(t: Decimal, z: Decimal, c: Decimal, restitution: Decimal, least: Dec
     """A mass that has hit the wall at u = 0 at speed z, and bounces until a rebound is below `least`, every hit exact.
 
     The push z' = sin t - c has to be towards the wall (negative) all the while, so that a flight is concave and its
-    return unique: bracketed from half to one and a half of 2 z/|push|, widened until the sign changes.
+    return unique: one and a half times 2 z/|push| lies beyond it, or is doubled until it does.
     """
     lost, hits = Decimal(0), 0
     while True:
@@ -109,12 +109,12 @@ def bounces(t: Decimal, z: Decimal, c: Decimal, restitution: Decimal, least: Dec
         push = c - cosine_and_sine(t)[1]
         if push <= 0:
             raise ArithmeticError("the mass is thrown off while it bounces")
-        low, high = rebound / push, 3 * rebound / push
-        while flight.position(t + low) <= 0:
-            low /= 2
-        while flight.position(t + high) > 0:
-            high *= 2
-        t = root(flight.position, t + low, t + high)
+        at = 3 * rebound / push
+        while flight.position(t + at) > 0:
+            at *= 2
+        for _ in range(8):  # Newton from beyond the root of a concave function: it comes down to it and no further
+            at -= flight.position(t + at) / flight.velocity(t + at)
+        t += at
         z = -flight.velocity(t)
 
 
@@ -152,3 +152,31 @@ def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
         lost[int(t / (2 * PI))] += band * s * (after - u) + speed * speed / 2
         u = after
     return lost
+
+
+class Landed(NamedTuple):
+    """A slug after some cycles: what it lost in each, and its height and velocity at the end (0, 0: at rest)."""
+
+    lost: list[Decimal]
+    u: Decimal
+    z: Decimal
+
+
+def slug_on_floor(weight: Decimal, cycles: int, u: Decimal, z: Decimal) -> Landed:
+    """A plastic slug over a floor, no lid, from height u and velocity z at phase 0 (0, 0: at rest), weight < 1."""
+    end = 2 * PI * cycles
+    t, lost = Decimal(0), [Decimal(0) for _ in range(cycles)]
+    up = arcsine(weight)
+    while t < end:
+        left = PI - up - (t - 2 * PI * (t // (2 * PI)) + TINY)  # of the time in which the floor falls away faster
+        if u == 0 and z == 0 and not 0 < left < PI - 2 * up:
+            t += left + 2 * up - PI + TINY if left >= PI - 2 * up else left + PI + 2 * up + TINY
+            continue
+        flight = Flight(t, u, z, weight)
+        step = min(STEP, left / 4) if u == 0 else STEP
+        t = flight.first(flight.position, step, end) or end
+        if t >= end:
+            return Landed(lost, flight.position(end), flight.velocity(end))
+        lost[int(t / (2 * PI))] += flight.velocity(t) ** 2 / 2
+        u = z = Decimal(0)
+    return Landed(lost, Decimal(0), Decimal(0))

@@ -10,9 +10,11 @@ from benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
 from rig.beds.bed import Bed
 from rig.beds.layers import Layers
 from rig.beds.rigid import Dashpot, Locked
+from rig.beds.slug import SlugBed
 from rig.beds.stack import Stack
 from rig.drive.sampling import Sampling
 from rig.drive.waveform import Waveform
+from rig.theory.slug import Slug
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,14 @@ def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...],
     return Layers(rows, Sampling(motion, 8.0))
 
 
+def slug(gap: float, weight: float, friction: float, restitution: float, motion: Waveform) -> SlugBed:
+    """A slug of 1 kg: gap in amplitudes, weight and friction in levels."""
+    low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
+    return SlugBed(
+        Slug(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0), Sampling(motion, 8.0)
+    )
+
+
 BEDS: tuple[tuple[str, Callable[[], Bed]], ...] = (
     ("locked", lambda: Locked(36.0, Sampling(PURE, 8.0))),
     ("dashpot", lambda: Dashpot(50.0, Sampling(PURE, 8.0))),
@@ -59,6 +69,11 @@ BEDS: tuple[tuple[str, Callable[[], Bed]], ...] = (
     ("layers, plastic, no period", lambda: layers(0.0, (0.02, 0.1), (4.1, 6.3), DISTORTED)),
     ("layers, e_row = .25", lambda: layers(0.25, (0.02, 0.3), (0.5, 3.0), DISTORTED)),
     ("layers, e_row = .75, no friction", lambda: layers(0.75, (0.0,), (1.0, 5.0), PURE)),
+    ("slug, plastic, vertical, period 1", lambda: slug(math.inf, 0.4, 0.0, 0.0, PURE)),
+    ("slug, plastic, vertical, distorted", lambda: slug(math.inf, 0.14, 0.0, 0.0, DISTORTED)),
+    ("slug, e = .6, with a lid", lambda: slug(3.0, 0.3, 0.0, 0.6, DISTORTED)),
+    ("slug, e = .9, no weight", lambda: slug(4.0, 0.0, 0.0, 0.9, PURE)),
+    ("slug, rough floor", lambda: slug(math.inf, 0.0, 0.3, 0.0, DISTORTED)),
 )
 
 
@@ -81,7 +96,7 @@ def _ends(lost: Array) -> float:
 
 CASES = (
     Case(
-        "1e5 cycles of layers, dashpot, locked",
+        "1e5 cycles of every bed",
         "round-off that adds up; a replay that is not the cycle it stands for",
         "the sum closes to 1e-9 of the work done; steady cycles repeat to the last bit",
         long_run,

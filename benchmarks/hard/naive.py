@@ -45,3 +45,17 @@ def false_contacts(eta: float, samples: int) -> float:
     past = t - start
     gap = (math.sin(start) + math.cos(start) * past) - 0.5 * eta * past**2 - np.sin(t)
     return float(np.mean(gap <= 0.0))
+
+
+def slug(level: float, steps: int, cycles: int) -> float:
+    """Loss per cycle of a plastic slug on a floor, units m A^2/w^2, semi-implicit steps: it lies on it where u < 0."""
+    h = 2.0 * math.pi / steps
+    u, z, lost = 0.0, 0.0, 0.0
+    for n in range(steps * cycles):
+        z += h * (math.sin((n + 0.5) * h) - 1.0 / level)
+        u += h * z
+        if u < 0.0:
+            if n >= steps * (cycles - 1):
+                lost += 0.5 * z * z
+            u, z = 0.0, 0.0
+    return lost

@@ -11,7 +11,7 @@ from benchmarks.hard.sliders import closed_form, followed, one_row, steady
 from daq.seeds import stream
 from rig.kernels.row import MAX_EVENTS
 from rig.kernels.rows import LONGEST_SPAN
-from rig.kernels.waveform import motion
+from rig.kernels.waveform import extrema, motion
 
 SEED = 2015
 
@@ -88,6 +88,29 @@ def subharmonic() -> Outcome:
     )
 
 
+def touching() -> Outcome:
+    """A threshold equal to an extremum of a waveform with up to four harmonics, and up to 3 bits beside: 1000 rows."""
+    rng = stream(SEED, "hard", "touching")
+    closure, most = 0.0, 0.0
+    for k in range(1000):
+        size = int(rng.integers(1, 5))
+        wave = (np.concatenate(([1.0], 0.3 * rng.standard_normal(size - 1))), 0.3 * rng.standard_normal(size))
+        band = float(rng.choice([abs(motion(t, *wave)[2]) for t in extrema(*wave)]))
+        for _ in range(rng.integers(0, 4)):
+            band = float(np.nextafter(band, 9.0 if k % 2 else 0.0))
+        ends, _ = followed(one_row(band, float(rng.choice([1e3, 1.0, 0.01])), 0.5, wave), 10, wave)
+        state = np.array([(e.z, e.work, e.friction, e.collision) for e in ends])
+        kinetic = 0.5 * (motion(0.0, *wave)[1] + np.concatenate(([0.0], state[:, 0]))) ** 2
+        closure = max(closure, float(np.abs(state[:, 1] - state[:, 2] - state[:, 3] - np.diff(kinetic)).max()))
+        most = max(most, float(state[:, 2:].sum(axis=1).max()))
+    return Outcome(
+        measured=(
+            at_most("energy that does not close in a cycle, m V²", closure, 1e-12),
+            no_more("energy lost in a cycle, m V²", most, 20.0),
+        )
+    )
+
+
 def neighbourhood() -> Outcome:
     """3000 random rows, 20 cycles each: bands to 1, plays 1e-8 to 1e3 X, e to .95, one to four harmonics."""
     rng = stream(SEED, "hard", "rows")
@@ -143,6 +166,12 @@ CASES = (
         "W of one cycle for W",
         "the period is reported, W is the mean over whole periods",
         subharmonic,
+    ),
+    Case(
+        "a threshold that an extremum just touches",
+        "a region of no width taken for a half cycle: the row runs away",
+        "energy closes",
+        touching,
     ),
     Case(
         "3000 random rows",

@@ -26,7 +26,7 @@ def zeno() -> Outcome:
             flight = Flight(Decimal(0), Decimal(0), Decimal(0), Decimal(0))
             hit = flight.first(lambda t, f=flight, p=Decimal(play): p - f.position(t), STEP, PI)  # type: ignore[misc]
             assert hit is not None
-            exact = bounces(hit + PI, flight.velocity(hit), Decimal(0), Decimal(e), Decimal("1e-25"))
+            exact = bounces(hit + PI, flight.velocity(hit), Decimal(0), Decimal(e), Decimal("1e-18"))
         ends, happened = followed(one_row(0.0, play, e), 1)
         lost = max(lost, abs(ends[0].collision - 2.0 * float(exact.lost)))
         at_rest = happened[0].phase[happened[0].mode == 0][0]

@@ -2,13 +2,14 @@
 
 from functools import cache
 
-from benchmarks.hard import beds, chains, ledgers, orbits, pairs, rows
+from benchmarks.hard import beds, chains, ledgers, orbits, pairs, rows, slugs
 from benchmarks.hard.case import Case, Outcome
 
 GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
     ("Collision of a pair", pairs.CASES),
     ("Files of grains", chains.CASES),
     ("Rows of bed `layers`", (*rows.CASES, *orbits.CASES)),
+    ("Bed `slug`", slugs.CASES),
     ("Scenes at the edge", beds.CASES),
     ("Long runs", ledgers.CASES),
 )

@@ -106,7 +106,7 @@ def too_many_events(slug: Slug) -> InputError:
             where="scene",
             field="scene.slug",
             found=f"a slug of restitution {slug.restitution:.3g} in a gap of {slug.high - slug.low:.3g} m "
-            "meets more than 65536 events in one cycle",
+            "meets more events than can be followed: 65536 in one cycle, or 1e7 on the way to its mean",
             allowed="a larger gap, or a slug that rebounds less",
         )
     )

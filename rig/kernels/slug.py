@@ -17,6 +17,9 @@ LOOK_BACK = 512
 SAME = 1e-12
 """Two states closer than this, as a share of the orbit's speed and height, are the same state."""
 
+MOST_IN_ALL = 10_000_000
+"""Events on the way to a mean after which it is given up: some seconds."""
+
 SETTLE, AVERAGE, BATCHES = 1024, 4096, 16
 """Cycles left out and averaged where an orbit has no period, and parts of the average whose scatter tells its error."""
 
@@ -62,7 +65,7 @@ def _run(
 class Steady(NamedTuple):
     """A slug's mean cycle in its steady state.
 
-    period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS`
+    period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS` or `MOST_IN_ALL`
     lid : whether it hits the upper wall; moves : whether it moves in the box at all
     error : standard error of the mean of the losses, 0 for an orbit with a period
     """
@@ -118,6 +121,7 @@ def _steady(
     friction, collision, lid, moves = 0.0, 0.0, False, False
     batches = np.zeros(BATCHES)
     walls = world.upper < np.inf or world.lower > -np.inf
+    spent = 0
     for n in range(settle + average):
         back = _recurrence(history, n, mode, q, u, walls)
         if back > 0:
@@ -126,7 +130,8 @@ def _steady(
                 lost += history[(n - b) % LOOK_BACK, 3:] / back
             return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
-        if after.events < 0:
+        spent += after.events
+        if after.events < 0 or spent > MOST_IN_ALL:
             return friction, collision, -1, lid, True, 0.0
         line = history[n % LOOK_BACK]
         line[0], line[1], line[2] = mode, q, u

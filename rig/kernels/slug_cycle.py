@@ -134,13 +134,15 @@ def _dies_out(back: float, largest: float, push: float, world: World) -> bool:
 @njit(cache=True, nogil=True)
 def _next(
     t1: float, d1: float, u1: float, t2: float, d2: float, u2: float, rises: bool, low: float, high: float,
-    rough: bool, u0: float, a0: float, S: Array, C: Array,
+    mode: int, rough: bool, u0: float, a0: float, S: Array, C: Array,
 ) -> tuple[int, float, int]:  # fmt: skip
     """First event of the piece (t1, t2] of a stretch, its time, and the steps of root searches.
 
     The relative velocity rises (or falls) throughout the piece. low, high : displacements at which the walls stand
     """
     sense = 1.0 if rises else -1.0
+    if rough and sense * mode < 0.0 and sense * u1 >= 0.0:
+        return STOP, t1, 0  # thrown for less than round-off: friction would drive it the other way from here on
     before, ahead = (low, high) if rises else (high, low)
     roots = 0
     if sense * u1 < 0.0:
@@ -209,7 +211,7 @@ def cycle(
             t2 = table[line, 0] - start
             d2, u2, _ = drift(t2, u, a0, S, C)
             rises = region == -1 or (region == 0 and mode == -1)
-            kind, t, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, band > 0.0, u, a0, S, C)
+            kind, t, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C)
             roots += steps
             if kind != PASS or line == last:
                 break

@@ -50,10 +50,12 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
 
 
 @njit(cache=True, nogil=True)
-def _level_root(lo: float, hi: float, level: float, P: Array, Q: Array) -> float:
-    """Phase in a bracket where a(theta) = level, to round-off: regula falsi with the Illinois step."""
-    f_lo = motion(lo, P, Q)[2] - level
-    f_hi = motion(hi, P, Q)[2] - level
+def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P: Array, Q: Array) -> float:
+    """Phase in a bracket where a(theta) = level, to round-off: regula falsi with the Illinois step.
+
+    f_lo, f_hi : a - level at its ends, of different signs. Computed anew they might not be: an end may be an extremum
+    that just touches the level, a cycle later.
+    """
     if f_lo == 0.0:
         return lo
     side = 0
@@ -94,11 +96,11 @@ def extrema(P: Array, Q: Array) -> Array:
     found = np.empty(samples)
     count = 0
     step = TWO_PI / samples
-    before = motion(0.0, jerk_P, jerk_Q)[2] > 0.0
+    before = motion(0.0, jerk_P, jerk_Q)[2]
     for k in range(samples):
-        after = motion((k + 1) * step, jerk_P, jerk_Q)[2] > 0.0
-        if after != before:
-            found[count] = _level_root(k * step, (k + 1) * step, 0.0, jerk_P, jerk_Q)
+        after = motion((k + 1) * step, jerk_P, jerk_Q)[2]
+        if (after > 0.0) != (before > 0.0):
+            found[count] = _level_root(k * step, (k + 1) * step, before, after, 0.0, jerk_P, jerk_Q)
             count += 1
         before = after
     return found[:count]
@@ -121,12 +123,17 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
         table[:, 0], table[:, 1], table[:, 2], table[:, 3] = TWO_PI, x0, v0, 0.0
         table[0, 0], table[0, 3] = 0.0, 1.0 if a0 > band else (-1.0 if a0 < -band else 0.0)
         phases, behind = _crossings_of(band, bounds, values, P, Q)
-        line = 0
-        for k in np.argsort(phases):
-            if phases[k] > 0.0:
+        # two crossings may fall on one phase, where the acceleration just touches a threshold: the order of the pieces
+        # tells which comes first, those of the next cycle before all others
+        line, count = 0, phases.shape[0]
+        wrapped = np.sum(phases >= TWO_PI)
+        for n in range(count):
+            k = (n - wrapped) % count
+            phase = phases[k] % TWO_PI
+            if phase > 0.0:
                 line += 1
-                table[line, 0] = phases[k]
-                table[line, 1], table[line, 2], _ = motion(phases[k], P, Q)
+                table[line, 0] = phase
+                table[line, 1], table[line, 2], _ = motion(phase, P, Q)
             table[line, 3] = behind[k]
         counts[i] = phases.shape[0]
     return Crossings(counts, tables)
@@ -134,16 +141,20 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
 
 @njit(cache=True, nogil=True)
 def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array) -> tuple[Array, Array]:
-    """Phases (m,) at which the acceleration crosses -band or band, piece by monotonic piece, and the regions behind."""
+    """Phases (m,) at which the acceleration crosses -band or band, piece by monotonic piece, and the regions behind.
+
+    They ascend from the first of `bounds` on, beyond 2 pi.
+    """
     pieces = max(bounds.shape[0] - 1, 0)
     phases = np.empty(2 * pieces)
     behind = np.empty(2 * pieces)
     count = 0
     for k in range(pieces):
         lo, hi = values[k], values[k + 1]
-        for level in (-band, band):
+        first = -band if hi > lo else band
+        for level in (first, -first):
             if (lo > level) != (hi > level):
-                phases[count] = _level_root(bounds[k], bounds[k + 1], level, P, Q) % TWO_PI
+                phases[count] = _level_root(bounds[k], bounds[k + 1], lo - level, hi - level, level, P, Q)
                 if hi > lo:
                     behind[count] = 1.0 if level == band else 0.0
                 else:
