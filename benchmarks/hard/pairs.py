@@ -61,8 +61,8 @@ def mass_ratio() -> Outcome:
             loss_error = max(loss_error, float(abs(Fraction(after.loss[0]) / loss - 1)))
     infinite = _head_on(1.0, np.inf, velocities, 0.65)
     limit = velocities[1] - 0.65 * 2.0
-    m1, m2, restitution, _, _ = random_hits(stream(SEED, "hard", "ratio"), 1000, 1e6, 0.0)
-    condition = float(np.linalg.cond(literal.matrices(m1, m2, restitution, 0.0, 0.0)[0]).max())
+    m1, mass2, restitution, _, _ = random_hits(stream(SEED, "hard", "ratio"), 1000, 1e6, 0.0)
+    condition = float(np.linalg.cond(literal.matrices(m1, mass2, restitution, 0.0, 0.0)[0]).max())
     return Outcome(
         measured=(
             at_most("error of the velocities over the closing speed, exact fractions", worst, 1e-15),

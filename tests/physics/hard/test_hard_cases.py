@@ -7,6 +7,8 @@ import pytest
 from benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
 from benchmarks.hard.suite import CASES, outcome
 from benchmarks.stability import PAGE, differences, page
+from rig.theory.slug import Slug, slug_total
+from rig.theory.total import TooManyEvents
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
@@ -15,6 +17,13 @@ def test_the_case_holds(case: Case) -> None:
     failed = [measure for measure in (*found.measured, *found.naive) if not measure.held]
     assert failed == []
     assert found.held
+
+
+@pytest.mark.slow
+def test_bouncing_for_hours_is_given_up_by_name() -> None:
+    """Each cycle has fewer events than are refused; the mean would need 1e8 of them. Fast twin: the tiny gap."""
+    with pytest.raises(TooManyEvents):
+        slug_total(Slug(1.0, 0.0, 1e-10, 0.0, 0.0, 1.0, 0.0, 0.0), 5.0, 20.0)
 
 
 def test_names_are_unique() -> None:
