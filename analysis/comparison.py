@@ -62,7 +62,7 @@ def agreement(
         for name, setting in settings.items()
         if grouped[name]
     ]
-    empties = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
+    empties = {_level(r.setting): r for r in results if r.setting.is_empty}
     nulls = null_tests(settings, grouped, channels)
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
@@ -105,9 +105,14 @@ def agreement(
     return {key: _jsonable(value) for key, value in report.items()}
 
 
-def _row(result: Result, empties: Mapping[tuple[float, float], Result]) -> dict[str, Any]:
+def _level(setting: Setting) -> tuple[str, float, float]:
+    """What a condition shares with the empty box that it is compared with."""
+    return setting.drive, setting.frequency, setting.acceleration_set
+
+
+def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> dict[str, Any]:
     setting, exp, got = result.setting, result.W_exp, result.predicted
-    empty = empties.get((setting.frequency, setting.acceleration_set))
+    empty = empties.get(_level(setting))
     W = [run.energy.W for run in result.runs]
     n = len(W)
     distortions = [d for d in (box_distortion(run, setting) for run in result.runs) if d is not None]

@@ -135,10 +135,12 @@ def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estima
 
 def box_distortion(run: RunEnergy, setting: Setting) -> float | None:
     """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's force over the mass that
-    they would shake, relative to the fundamental. None without motion."""
+    they would shake, relative to the fundamental; as measured where the box is on an exciter. None without motion."""
     energy = run.energy
     if not energy.level:
         return None
+    if setting.drive != "servo":
+        return energy.thd_acceleration
     on_box = net_of_mass(energy.force[1:], energy.acceleration[1:], setting.box_mass + setting.gauge_mass)
     moved = setting.box_mass + setting.gauge_mass + setting.moving_mass
     return float(np.linalg.norm(on_box)) / moved / energy.level if moved else None

@@ -108,7 +108,7 @@ def _of_run(
     reactive = (energy.reactive * math.cos(turn) - energy.W * math.sin(turn)) / gain
     seen = gain * (lost * math.cos(turn) - reactive * math.sin(turn))
     true, measured = curve(energy.level / abs(acceleration)), curve(energy.level)
-    exact = ledger.get(EXACT, bed)
+    exact = _exact(run, bed, measured)
     return {
         **box,
         "waveform": bed - exact,
@@ -122,6 +122,15 @@ def _of_run(
 def _tau(corner: float | None) -> float | None:
     """Time constant in s of a corner in Hz; None for none."""
     return 1 / (2 * math.pi * corner) if corner else None
+
+
+def _exact(run: RunEnergy, bed: float, measured: float) -> float:
+    """What the bed would have taken on a sine, J per cycle: from an ablation, or its own energy less what the recorded
+    waveform adds to the nominal bed's; with neither, its own energy."""
+    ablated = (run.ledger or {}).get(EXACT, math.nan)
+    if math.isfinite(ablated):
+        return ablated
+    return bed if run.recorded is None else bed - (run.recorded - measured)
 
 
 def _high_pass(omega: float, time_constant: float | None) -> complex:

@@ -14,6 +14,7 @@ from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
 from analysis.uncertainty import noise_of
+from analysis.verdict import NOT_REACHED
 from daq.block import Flag, flag_names
 
 __all__ = ["read_session", "run_energy"]
@@ -21,6 +22,7 @@ __all__ = ["read_session", "run_energy"]
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN  # samples are missing or mean nothing: no energy can be stated
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
+STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
@@ -66,7 +68,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
     return RunEnergy(
         run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
         u_noise=noise_of(energy, force, acceleration, samples),
-        flags=(*flag_names(int(bits)), *short, *_limits(scalars)),
+        flags=(*flag_names(int(bits)), *short, *_limits(scalars), *_stops(scalars)),
         use=_use(scalars),
         ledger=_ledger(record, run, setting, window),
         coil=_coil(record, run, window, energy, samples),
@@ -134,6 +136,13 @@ def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(f"over_{name}" for name, share in _use(scalars).items() if share > 1)
 
 
+def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """What kept the level from being reached, as a flag, and whether the amplifier clipped while it was held."""
+    stopped = [f"{NOT_REACHED}_{name.removeprefix(STOPPED)}" for name, value in scalars.items()
+               if name.startswith(STOPPED) and value > 0]  # fmt: skip
+    return (*stopped, *(("clipped",) if scalars.get("clipped", 0.0) > 0 else ()))
+
+
 def _use(scalars: Mapping[str, float]) -> dict[str, float]:
     """Shares of the exciter's limits, by the limit's name."""
     return {name.removeprefix(LIMITS): share for name, share in scalars.items() if name.startswith(LIMITS)}
@@ -150,6 +159,7 @@ def _ledger(record: Record, run: RunFacts, setting: Setting, window: Window) -> 
     if len(used) < window.cycles:
         return None
     means = dict(zip(columns, (float(value) for value in used.mean(axis=0)), strict=True))
-    if "closure" in means:
-        means["closure"] = float(np.abs(used[:, columns.index("closure")]).max())
+    for name in ("closure", "closure_exciter"):
+        if name in means:
+            means[name] = float(np.abs(used[:, columns.index(name)]).max())
     return means

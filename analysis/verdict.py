@@ -9,9 +9,10 @@ from analysis.references import Reference
 
 __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
 
-CLOSES = 1e-9  # largest closure of an account that closes, relative
+CLOSES = {"servo": 1e-9, "coupled": 1e-6}  # largest closure of an account that closes, relative, by drive
 CHAIN_SHARE = 0.9  # share of the conditions in which |E_n_chain| <= 1 is needed
-FAULTS = {"overload_hi", "overload_lo", "iepe_open", "iepe_short", "invalid", "overrun", "gap"}
+NOT_REACHED = "level_not_reached"  # with what stopped the level: level_not_reached_voltage
+FAULTS = {"clipped", "overload_hi", "overload_lo", "iepe_open", "iepe_short", "invalid", "overrun", "gap"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +34,9 @@ def verdict(
     """Judge a session. A check that the record cannot answer (no truth, no null test) is said and fails nothing."""
     chain = [abs(r.chain.value) <= r.chain.U for r in results if r.chain is not None]
     share = sum(chain) / len(chain) if chain else None
-    faulted = [run.run for r in results for run in r.runs if FAULTS & set(run.flags)]
+    faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     checks = [
-        _ledger(closure), *map(_null, nulls), *map(_reference, references), _faults(faulted, left_out),
+        _ledger(results, closure), *map(_null, nulls), *map(_reference, references), _faults(faulted, left_out),
         _chain(chain, share), _repeats(results), (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
@@ -44,10 +45,15 @@ def verdict(
     return Verdict("passes" if passes else "fails", tuple(text for _, text in checks if text), share)
 
 
-def _ledger(closure: float | None) -> tuple[bool, str]:
+def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str]:
     if closure is None:
         return True, "The energy account is not checked: the record holds no truth."
-    good = closure <= CLOSES
+    good = all(
+        run.ledger["closure"] <= CLOSES.get(result.setting.drive, CLOSES["servo"])
+        for result in results
+        for run in result.runs
+        if run.ledger is not None and "closure" in run.ledger
+    )
     return good, f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative."
 
 
@@ -63,6 +69,11 @@ def _reference(reference: Reference) -> tuple[bool, str]:
     if good and reference.value is None:
         return True, ""
     return good, f"The reference {reference.reference} ({reference.of}) {words}: {reference.why}."
+
+
+def _faulted(flags: Sequence[str]) -> bool:
+    """Whether a run's flags say that it is not what was asked for."""
+    return bool(FAULTS & set(flags)) or any(flag.startswith(NOT_REACHED) for flag in flags)
 
 
 def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:

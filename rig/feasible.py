@@ -17,6 +17,7 @@ from rig.scene import (
     BEDS,
     BUILT_BEDS,
     BUILT_MODES,
+    COUPLED_BEDS,
     HORIZONTAL_ONLY_BEDS,
     Acquire,
     Drive,
@@ -60,6 +61,9 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
         yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
     if drive.mode not in BUILT_MODES:
         yield Conflict(("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES))
+    if drive.mode == "coupled" and scene.bed not in COUPLED_BEDS:
+        found = f"the bed {scene.bed} in coupled drive, not built yet"
+        yield Conflict(("scene.bed", "drive.mode"), found, f"{', '.join(COUPLED_BEDS)}, or drive.mode: servo")
     if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
         able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
         waiting = [bed for bed in able if bed not in BUILT_BEDS]
@@ -159,6 +163,9 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
             yield Conflict((path, "drive.frequency"), found, f"DC below the coupling's corner, {spec.ac_corner:g} Hz")
     for name in (item.name for item in fields(acquire.ranges)):
         volts = getattr(acquire.ranges, name)
+        if volts == "auto" and drive.mode == "coupled":
+            found = "auto in coupled drive, where no look ahead is made"
+            yield Conflict((f"acquire.ranges.{name}", "drive.mode"), found, "a range in V")
         if spec is not None and isinstance(volts, float) and volts not in spec.ranges:
             known = ", ".join(f"{value:g} V" for value in spec.ranges)
             path = f"acquire.ranges.{name}"
@@ -207,10 +214,13 @@ def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
             yield from zip(axis.paths, row, strict=True)
 
 
-def misfits(practice: BadPractice, scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
+def misfits(practice: BadPractice, scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     """Everything that keeps a deliberate mistake from being made in this condition."""
     if len(practice.kinds) > 1:
         yield Conflict(("mistake",), " and ".join(practice.kinds), "one mistake at most")
+    if practice.kind is not None and drive.mode == "coupled":
+        found = f"the mistake {practice.kind} in coupled drive"
+        yield Conflict(("mistake", "drive.mode"), found, "drive.mode: servo, where its rule holds")
     sensor = acquire.sensors.acceleration
     known = sensor in sensors_for("acceleration")
     if practice.pole is not None and (sensor == IDEAL or (known and transducer(sensor).time_constant is None)):

@@ -55,7 +55,7 @@ def expand(
     materials: dict[str, Material | None] = {}
     for point in _points(protocol):
         found = conflicts(point.scene, point.drive, point.acquire)
-        for conflict in (*found, *misfits(protocol.mistake, point.scene, point.acquire)):
+        for conflict in (*found, *misfits(protocol.mistake, point.scene, point.drive, point.acquire)):
             if not failed.intersection(conflict.paths):
                 where = place(conflict.paths[0], point.rows)
                 mistakes[Mistake(where, conflict.paths[0], conflict.found, conflict.allowed, conflict.hint)] = None

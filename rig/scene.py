@@ -16,7 +16,8 @@ BUILT_BEDS = ("empty", "locked", "dashpot", "slug", "layers")
 HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")
-BUILT_MODES = ("servo",)
+BUILT_MODES = ("servo", "coupled")
+COUPLED_BEDS = ("empty", "locked", "dashpot", "layers")
 EFFECTS = ("linearity", "resonance", "flicker")
 
 
@@ -36,6 +37,8 @@ Mode = Literal["servo", "coupled"]
 Imperfection = Literal["default", "none"]
 Amplifier = Literal["voltage", "current"]
 GaugeSide = Literal["box", "exciter"]
+Control = Literal["level", "open"]
+Approach = Literal["below", "above"]
 Coupled = Literal["DC", "AC", "IEPE"]
 Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
 Fidelity = Literal["as_written", "auto"]
@@ -110,7 +113,9 @@ class Scene:
 @dataclass(frozen=True)
 class Drive:
     """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform.
-    Coupled drive: what the amplifier commands, and the end of the stinger that the gauge and its mass are fixed to."""
+    Coupled drive: what the amplifier commands, and the end of the stinger that the gauge and its mass are fixed to;
+    whether the level is controlled (from `below`, or coming down from `above`; `harmonics` of the acceleration, 1 for
+    the amplitude alone; giving up after `timeout`) or a `command` is held, a share of the amplifier's limit."""
 
     mode: Mode = "servo"
     frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 20.0
@@ -118,6 +123,11 @@ class Drive:
     imperfection: Imperfection = "default"
     amplifier: Amplifier = "voltage"
     gauge: GaugeSide = "box"
+    control: Control = "level"
+    command: Annotated[float, Quantity("number", 0.0, 10.0, above=True)] = 0.1
+    approach: Approach = "below"
+    harmonics: Annotated[int, Quantity("number", 1, 40)] = 1
+    timeout: Annotated[int, Quantity("cycles", 1, 100000)] = 60
 
 
 @dataclass(frozen=True)

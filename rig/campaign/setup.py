@@ -1,7 +1,7 @@
 """A protocol with every choice made: what each run is, and its road from the stand to blocks of codes."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from daq.source import PhysicalSource
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
+from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
 from rig.campaign.fidelity import chosen
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
@@ -27,13 +28,18 @@ from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform, waveform
 from rig.fidelity.choice import Choice
 from rig.instruments import Instruments, instruments
-from rig.ledger import COLUMNS
+from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
 from rig.scene import Condition, Protocol
 from rig.stand import Stand
 
+Array = NDArray[np.float64]
+
 PASS_BAND = 0.45
 """Recorded band over the output rate: the anti-alias filter's pass band."""
+
+LEVEL_OF = "acceleration"
+"""The channel that the level control reads."""
 
 
 @dataclass(frozen=True)
@@ -82,13 +88,20 @@ class Campaign:
 
     @property
     def ledger_columns(self) -> tuple[str, ...]:
-        """Columns of the ledger that a run hands over."""
-        return (*COLUMNS, EXACT) if self.ablate else COLUMNS
+        """Columns of the ledgers: those of coupled drive where any condition has it."""
+        columns = COUPLED_COLUMNS if self.coupled else COLUMNS
+        return (*columns, EXACT) if self.ablate else columns
+
+    @property
+    def coupled(self) -> bool:
+        """Whether any condition is in coupled drive."""
+        return any(condition.drive.mode == "coupled" for condition in self.conditions)
 
     @property
     def recorded(self) -> bool:
-        """Whether W_T is also computed on the recorded waveform: with an ablation, which takes causes apart."""
-        return self.ablate
+        """Whether W_T is also computed on the recorded waveform: in coupled drive, and with an ablation, which takes
+        causes apart."""
+        return self.ablate or self.coupled
 
     def motion(self, run: Run) -> Waveform:
         """The motion that the servo reaches in a run, on the analyzer's clock."""
@@ -114,49 +127,111 @@ class Campaign:
         band = PASS_BAND * self.lengths[run.condition.id].rate
         return demand(self.rig.exciter, stand.latest_force, stand.rate, stand.motion, band)
 
+    def dwelling(self, run: Run) -> Dwelling:
+        """The dwell of a run in coupled drive, at rest."""
+        tools, clock = self.instruments, 1.0 + self.instruments.clock_error
+        channel, state = next((c, s) for c, s in zip(tools.channels, tools.states, strict=True) if c.name == LEVEL_OF)
+        rate = OVERSAMPLING * self.lengths[run.condition.id].rate * clock
+        reading = state.sensitivity * state.gain / channel.transducer.sensitivity
+        rig = replace(self.rig, exciter=tools.exciter)
+        return Dwelling(run.condition, rig, self.filling(run), rate, clock, reading)
+
     def parts(self, run: Run) -> Iterator[Part]:
         """A run, block by block: stand, transducers, front end."""
-        tools, size = self.instruments, self.lengths[run.condition.id]
-        stand = self.stand(run)
-        noise = [self._stream(run, channel.name) for channel in tools.channels]
-        front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
-        source = seen(self._source(run, stand), self.protocol.mistake, run.condition, self.rig, stand.motion)
-        analog = conditioned(Transduced(source, tools.states), tools.channels, tools.states)
-        acquisition = Emulated(analog, front)
+        size = self.lengths[run.condition.id]
+        road: Servo | Coupled = Coupled(self, run) if run.condition.drive.mode == "coupled" else Servo(self, run)
+        acquisition = self._acquisition(run, road.source)
+        lead = road.lead(acquisition, size.rate / run.condition.drive.frequency)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         listener = self._listener(run)
         for number, samples in enumerate(size.blocks):
             block = acquisition.read(samples)
+            block = replace(block, start=block.start - lead) if lead else block
             if listener is not None:
                 listener.hear(block)
-            last = number == len(size.blocks) - 1
-            rows = self._ledger(run, stand)[:wanted]
+            rows = road.ledger()[:wanted]
             wanted -= len(rows)
-            yield Part(run.name, block, rows, self._scalars(run, stand, listener) if last else None)
+            if number < len(size.blocks) - 1:
+                yield Part(run.name, block, rows)
+            else:
+                yield Part(run.name, block, rows, road.scalars() | (listener.scalars() if listener else {}))
+
+    def _acquisition(self, run: Run, source: PhysicalSource) -> Emulated:
+        """Transducers and front end of a run."""
+        tools, size = self.instruments, self.lengths[run.condition.id]
+        noise = [self._stream(run, channel.name) for channel in tools.channels]
+        front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
+        return Emulated(conditioned(Transduced(source, tools.states), tools.channels, tools.states), front)
 
     def _listener(self, run: Run) -> Listener | None:
         """What predicts from the record of a run, where that is wanted."""
         if not self.recorded:
             return None
         size, tools = self.lengths[run.condition.id], self.instruments
-        row = [channel.name for channel in tools.channels].index("acceleration")
+        row = [channel.name for channel in tools.channels].index(LEVEL_OF)
         return Listener(run.condition, self.rig, size, row, tools.table(size.rate, FILTER_DELAY)[row])
 
-    def _scalars(self, run: Run, stand: Stand, listener: Listener | None) -> dict[str, float]:
-        """What a run ends with."""
-        return self.demand(run, stand).scalars() | ({} if listener is None else listener.scalars())
-
-    def _source(self, run: Run, stand: Stand) -> PhysicalSource:
-        """The channels that are recorded of a stand."""
-        return WithExciter(stand, self.instruments.exciter) if run.condition.acquire.exciter_channels else stand
-
-    def _ledger(self, run: Run, stand: Stand) -> NDArray[np.float64]:
-        rows = stand.drain_ledger()
-        if not self.ablate:
-            return rows
+    def exact(self, run: Run, motion: Waveform) -> float:
+        """J per cycle that the bed of a run would take on an exact sine of the level reached."""
         condition = run.condition
-        exact = exact_energy(condition.scene, self.rig, stand.motion, self.filling(run), condition.acquire)
-        return np.column_stack([rows, np.full(len(rows), exact)])
+        return exact_energy(condition.scene, self.rig, motion, self.filling(run), condition.acquire)
 
     def _stream(self, run: Run, word: str) -> np.random.Generator:
         return stream(self.protocol.seed, run.condition.seed_key, str(run.repeat), word)
+
+
+class Servo:
+    """A run in servo drive: what is recorded, its ledger, and what it ends with."""
+
+    def __init__(self, campaign: Campaign, run: Run) -> None:
+        self._campaign, self._run = campaign, run
+        self._stand = campaign.stand(run)
+        stand, rig = self._stand, campaign.rig
+        four = run.condition.acquire.exciter_channels
+        source = WithExciter(stand, campaign.instruments.exciter) if four else stand
+        self.source = seen(source, campaign.protocol.mistake, run.condition, rig, stand.motion)
+
+    def lead(self, _acquisition: Emulated, _period: float) -> int:
+        """Samples before the record: none, the motion is there from the start."""
+        return 0
+
+    def ledger(self) -> Array:
+        """Rows of the cycles simulated since the last call."""
+        rows = self._stand.drain_ledger()
+        campaign = self._campaign
+        missing = np.zeros((len(rows), len(COUPLED_COLUMNS) - len(COLUMNS) if campaign.coupled else 0))
+        exact = [np.full(len(rows), campaign.exact(self._run, self._stand.motion))] if campaign.ablate else []
+        return np.column_stack([rows, missing, *exact]) if campaign.coupled or exact else rows
+
+    def scalars(self) -> dict[str, float]:
+        """Use of the exciter's limits."""
+        found = self._campaign.demand(self._run, self._stand).scalars()
+        return found | (dict.fromkeys(LEVEL_SCALARS, 0.0) if self._campaign.coupled else {})
+
+
+class Coupled:
+    """A run in coupled drive: what is recorded, its ledger, and what it ends with."""
+
+    def __init__(self, campaign: Campaign, run: Run) -> None:
+        self._campaign, self._run = campaign, run
+        self._dwelling = campaign.dwelling(run)
+        self.source = Picked(self._dwelling.stand, len(campaign.instruments.channels))
+
+    def lead(self, acquisition: Emulated, period: float) -> int:
+        """Reads on, cycle by cycle, until the level is held; gives the samples read. The instruments have been on since
+        the start-up; `period` : samples per cycle."""
+        dwell, cycles, done = self._dwelling.dwell, 0, 0
+        while dwell.steady_from is None or cycles < dwell.steady_from:
+            cycles += 1
+            acquisition.read(round(cycles * period) - done)
+            done = round(cycles * period)
+        return done
+
+    def ledger(self) -> Array:
+        """Rows of the held cycles simulated since the last call."""
+        rows = self._dwelling.ledger()
+        return np.column_stack([rows, np.full(len(rows), np.nan)]) if self._campaign.ablate else rows
+
+    def scalars(self) -> dict[str, float]:
+        """Use of the exciter's limits, and how the level was reached."""
+        return self._dwelling.scalars()
