@@ -73,6 +73,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         ledger=_ledger(record, run, setting, window),
         coil=_coil(record, run, window, energy, samples),
         recorded=scalars.get(RECORDED),
+        u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from analysis.uncertainty import Line, combine
 
 __all__ = ["Recorded", "on_recorded"]
 
-NUMERICS = 5e-3  # relative standard uncertainty: averaged over the recorded cycles, rows with several orbits (tests)
+NUMERICS = 5e-3  # relative standard uncertainty: rows without a period, averaged over the recorded cycles (tests)
 EXPONENT = (
     2.5  # dlnW_T/dlna where no prediction on a sine tells it: between 2 and 4, acts on u of the acceleration only
 )
@@ -41,6 +41,9 @@ def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], expo
         replace(line, c_T=n * W_T if line.source in ("acceleration sensitivity", "acceleration gain") else 0.0)
         for line in lines
     ]
+    # what a bed went through before is much the same in every run: no root of their number
+    history = math.fsum(run.u_recorded for run in runs) / len(runs)
+    own.append(Line("history of the bed", "J", history, math.inf, 0.0, 1.0, shared=False))
     own.append(Line("prediction numerics", "1", NUMERICS / math.sqrt(len(known)), math.inf, 0.0, W_T, shared=False))
     return Recorded(
         W_T=combine(W_T, [(line.part_T, line.nu) for line in own]),

@@ -208,7 +208,8 @@ class RunEnergy:
     from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
     only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
     coil: energy as the coil's current tells it, None where that is not recorded. recorded: what is predicted on the
-    waveform that this run recorded, J per cycle, None where it was not computed.
+    waveform that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard uncertainty
+    from what the bed went through before.
     """
 
     run: str
@@ -222,3 +223,4 @@ class RunEnergy:
     use: Mapping[str, float] = field(default_factory=dict)
     coil: "Coil | None" = None
     recorded: float | None = None
+    u_recorded: float = 0.0

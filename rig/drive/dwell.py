@@ -112,5 +112,5 @@ class Dwell:
         if len(self._left) == 1:
             self.steady_from = self._cycles
         else:
-            self.loop = replace(self.loop, status="seeking", window=(), cycles=0, limit="")
+            self.loop = replace(self.loop, status="seeking", window=(), fresh=0, cycles=0, limit="")
         self._left = self._left[1:]

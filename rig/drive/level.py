@@ -58,7 +58,8 @@ OVER_LIMIT = 1.01
 class Target:
     """What a dwell is to reach: amplitude of the fundamental acceleration in m/s^2, within a relative tolerance.
 
-    hold : cycles at least whose mean counts as the level; longest : cycles after which a mean is taken as it is
+    hold : cycles at least whose mean counts as the level; longest : cycles after which a mean that scatters more than
+        the tolerance is taken as it is, good to its standard error
     timeout : cycles after which the loop gives up
     phase : angle of the acceleration against the command's clock, rad; None leaves it free
     flat : rms of the controlled harmonics over the fundamental that is flat enough
@@ -82,7 +83,9 @@ class Loop:
     limit : the exciter's limit that keeps the level from being reached, "" for none
     scatter : of the level from cycle to cycle under a constant command, relative
     jumps : cycles in which the level changed more than any slope explains
-    window : measured phasors of the cycles since the command changed
+    window : measured phasors of the cycles since the command changed; where the level scatters, those before it as
+        well, scaled to the command
+    fresh : cycles since the command changed
     before : level and command before that change
     """
 
@@ -95,6 +98,7 @@ class Loop:
     scatter: float = 0.0
     jumps: int = 0
     window: tuple[Phasors, ...] = ()
+    fresh: int = 0
     before: tuple[float, float] = (0.0, 0.0)
 
 
@@ -113,16 +117,19 @@ def stepped(
     shares : of the exciter's limits that the cycle used, by name
     response : acceleration per command at each harmonic, of the box alone; for controlled harmonics only
     """
-    jumped = _jumped(loop, measured[0])
+    jumped, swing = _jumped(loop, measured[0]), _swing(loop, abs(measured[0]), target.level)
     window = (*loop.window, tuple(measured))
-    loop = replace(loop, window=window, cycles=loop.cycles + 1, jumps=loop.jumps + jumped)
+    loop = replace(loop, window=window, cycles=loop.cycles + 1, jumps=loop.jumps + jumped, fresh=loop.fresh + 1)
     means, scatter = _mean(window)
-    loop = replace(loop, level=abs(means[0]), scatter=scatter if len(window) >= LEAST else loop.scatter)
+    scatter = scatter if len(window) >= LEAST else max(loop.scatter, swing)
+    loop = replace(loop, level=abs(means[0]), scatter=scatter)
     error = math.log(target.level / loop.level) if loop.level > 0.0 else LONGEST_STEP
-    inside = abs(error) <= math.log1p(AIM * target.tolerance)
+    doubt = loop.scatter / math.sqrt(max(len(window) - 2, 1))
+    sure = doubt <= 0.5 * target.tolerance
+    # a mean of `longest` cycles that scatter is not told from the target within its own standard error
+    inside = abs(error) <= max(math.log1p(AIM * target.tolerance), doubt if len(window) > target.longest else 0.0)
     far = abs(error) > NEAR + 2.0 * loop.scatter
-    sure = loop.scatter / math.sqrt(max(len(window) - 2, 1)) <= 0.5 * target.tolerance
-    full = len(window) > (target.hold if inside else LEAST - 1) and (sure or len(window) > target.longest)
+    full = loop.fresh > (target.hold if inside else LEAST - 1) and (sure or len(window) > target.longest)
     if full and inside and _distortion(means, loop.command) <= target.flat:
         return replace(loop, status="reached", limit="")
     stuck = _at_limit(shares) if error > 0.0 and not inside else ""
@@ -157,7 +164,12 @@ def _changed(
         old - GAIN * seen / through
         for old, seen, through in zip(loop.command[1:], means[1:], response[1:], strict=False)
     )
-    return replace(loop, command=(first, *others), slope=slope, window=(), before=(loop.level, abs(loop.command[0])))
+    kept: tuple[Phasors, ...] = ()
+    if not far and loop.scatter > target.tolerance:
+        grown = math.exp(slope * step)
+        kept = tuple((grown * phasors[0], *phasors[1:]) for phasors in loop.window[-target.longest :])
+    before = (loop.level, abs(loop.command[0]))
+    return replace(loop, command=(first, *others), slope=slope, window=kept, fresh=0, before=before)
 
 
 def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
@@ -172,12 +184,21 @@ def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
     return means, spread / middle if middle else 0.0
 
 
+def _swing(loop: Loop, level: float, aim: float) -> float:
+    """Scatter that a level shows which has crossed its aim by more than the command can have made it: half the way."""
+    was, drove = loop.before
+    if loop.fresh or min(was, drove, level) <= 0.0 or (was - aim) * (level - aim) >= 0.0:
+        return 0.0
+    moved = abs(math.log(level / was)) - STEEP_NEAR * abs(math.log(abs(loop.command[0]) / drove))
+    return max(0.5 * moved, 0.0)
+
+
 def _jumped(loop: Loop, first: complex) -> bool:
     """Whether the level of this cycle left the one before faster than any slope explains."""
-    was = abs(loop.window[-1][0]) if loop.window else loop.before[0]
+    was = abs(loop.window[-1][0]) if loop.fresh else loop.before[0]
     if was <= 0.0 or first == 0.0:
         return False
-    drove = loop.before[1] if not loop.window else 0.0
+    drove = 0.0 if loop.fresh else loop.before[1]
     raised = abs(math.log(abs(loop.command[0]) / drove)) if drove else 0.0
     return abs(math.log(abs(first) / was)) > JUMP + JUMP_SLOPE * raised
 

@@ -66,13 +66,14 @@ def _hit(gap: float, z: float, c: float, j: float, hi: float) -> float:
 
 @njit(cache=True, nogil=True)
 def sampled_energy(
-    band: Array, play: Array, restitution: float, acceleration: Array, step: float, settle: int
+    band: Array, play: Array, restitution: float, acceleration: Array, step: float, settle: int, ramp: int = 0
 ) -> tuple[float, float]:
     """Friction and collision losses of all rows over the samples of a box acceleration that repeats, J per kg of a row.
 
     band, play : of each row, m/s^2 and m, shape (rows,)
     acceleration : at uniform times `step` (s) apart, m/s^2, shape (samples,); the last one joins the first
     settle : samples at its end that the rows, at rest at one wall, go through before they are counted
+    ramp : samples before those in which the acceleration grows from nothing, in proportion
     """
     n = acceleration.shape[0]
     velocity, drift, fastest = 0.0, acceleration.mean(), 0.0
@@ -86,11 +87,13 @@ def sampled_energy(
         if band[r] >= largest:
             continue
         mode, u, z = 0, 0.0, 0.0
-        for m in range(-settle, n):
+        for m in range(-settle - ramp, n):
             k = m % n
-            mode, u, z, rubbed, struck = _across(
-                mode, u, z, band[r], play[r], restitution, acceleration[k], acceleration[(k + 1) % n], step, slow
-            )
+            first, last = acceleration[k], acceleration[(k + 1) % n]
+            if m < -settle:
+                first *= (m + settle + ramp) / ramp
+                last *= (m + 1 + settle + ramp) / ramp
+            mode, u, z, rubbed, struck = _across(mode, u, z, band[r], play[r], restitution, first, last, step, slow)
             if m >= 0:
                 friction += rubbed
                 collision += struck
