@@ -129,6 +129,7 @@ def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> 
         "U_W_exp": exp.U, "k": exp.k, "nu": exp.nu,
         "W_net": None if empty is None else exp.value - empty.W_exp.value,
         "W_detect": result.detect, "eta": result.mean("eta"), "M_eff": result.mean("M_eff"),
+        "force": result.mean("force_level"), "force_phase": result.mean("force_phase"),
         "thd_force": result.mean("thd_force"), "thd_acceleration": result.mean("thd_acceleration"),
         "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
         "W_T": got.get("W_T"), "U_W_T": result.W_T.U if result.W_T else None,

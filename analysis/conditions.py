@@ -25,7 +25,7 @@ from analysis.uncertainty import (
 
 __all__ = ["DISSIPATED", "Result", "evaluate"]
 
-DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed")
+DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed", "dKE_box")
 """Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
 
 

@@ -78,6 +78,17 @@ class Energy:
         return float(np.linalg.norm(self.force[1:])) / first if first else math.nan
 
     @property
+    def force_level(self) -> float:
+        """Amplitude of the fundamental force, N."""
+        return abs(complex(self.force[0]))
+
+    @property
+    def force_phase(self) -> float:
+        """Angle by which the fundamental force leads the acceleration, rad; nan without motion."""
+        ratio = complex(self.force[0]) * complex(self.acceleration[0]).conjugate()
+        return float(np.angle(ratio)) if ratio else math.nan
+
+    @property
     def thd_acceleration(self) -> float:
         """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the fundamental's."""
         return float(np.linalg.norm(self.acceleration[1:])) / self.level if self.level else math.nan

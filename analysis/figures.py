@@ -24,8 +24,10 @@ AXES: dict[str, tuple[str, float]] = {
     "fill": ("fill, %", 100.0),
     "density": ("grain density, g/cm³", 1e-3),
     "diameter": ("grain diameter, mm", 1e3),
+    "frequency": ("frequency, Hz", 1.0),
     "acceleration_set": ("acceleration, m/s²", 1.0),
 }
+MOST_LABELS = 12  # of a legend: more would leave no room for the panels
 NEAR = 20.0  # per cent: linear below, logarithmic above
 STYLE: Any = {  # names of matplotlib's settings, which its stubs list one by one
     "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9.0, "axes.titlesize": 9.0,
@@ -75,7 +77,7 @@ def svg(figure: "Figure", salt: str) -> str:
 
 
 def swept(rows: Sequence[Row]) -> str:
-    """The quantity that the conditions vary: fill, density or diameter, else the acceleration."""
+    """The quantity that the conditions vary: fill, density, diameter or frequency, else the acceleration."""
     known = (name for name in AXES if all(row[name] is not None for row in rows))
     varied = (name for name in known if len({row[name] for row in rows}) > 1)
     return next(varied, "acceleration_set")
@@ -106,7 +108,7 @@ def energy_figure(report: Row) -> "Figure":
             axes.set_xlabel(AXES[x][0])
         for axes in panels[::across]:
             axes.set_ylabel("energy, mJ per cycle")
-        handles, labels = panels[0].get_legend_handles_labels()
+        handles, labels = (found[:MOST_LABELS] for found in panels[0].get_legend_handles_labels())
         columns = 3 if len(labels) <= 3 else 2
         lines = -(-len(labels) // columns)
         _margins(figure, top=0.35 + 0.2 * lines)
@@ -182,7 +184,7 @@ def _energy_panel(axes: "Axes", rows: Sequence[Row], x: str, series: dict[str, C
 
 def _series(rows: Sequence[Row], x: str) -> dict[str, Callable[[Row], bool]]:
     """Conditions that differ in more than the axis and the panel, by the label that tells them apart."""
-    kept = ("bed", "material", "diameter", "fill", "frequency")
+    kept = ("bed", "material", "diameter", "fill", "frequency", "drive")
     names = [name for name in kept if name != x and len({row[name] for row in rows}) > 1]
     if x == "density":
         names = [name for name in names if name != "material"]

@@ -78,6 +78,11 @@ def predictions(
         return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
 
 
+def has_level(condition: Condition) -> bool:
+    """Whether a level is set, on which a sine's W_T can be predicted: not in open loop."""
+    return condition.drive.mode == "servo" or condition.drive.control == "level"
+
+
 def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]) -> dict[str, Any]:
     """The predictions as plain numbers for the session: another model's numbers may stand in their place."""
     return {

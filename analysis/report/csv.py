@@ -12,6 +12,7 @@ COLUMNS = (
     "W_T_paper", "bound", "exponent", "offset", "U_offset", "E_n", "E_n_chain", "eta", "M_eff", "thd_force", "thd_box",
     "period", "periodic_share", "dKE_bed", "W_coil", "U_W_coil", "E_n_coil",
     "W_T_recorded", "U_W_T_recorded", "offset_recorded", "U_offset_recorded", "E_n_recorded", "thd_acceleration",
+    "force", "force_phase",
 )  # fmt: skip
 
 

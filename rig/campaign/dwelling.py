@@ -122,6 +122,11 @@ class Dwelling:
         self._used.add(latest[skipped:])
         return rows[skipped:]
 
+    @property
+    def demand(self) -> Demand:
+        """Use of the exciter's limits in the held cycles."""
+        return self._used.demand()
+
     def scalars(self) -> dict[str, float]:
         """What the run ends with: use of the limits, and `LEVEL_SCALARS`."""
         loop, used = self.dwell.loop, self._used
@@ -131,7 +136,7 @@ class Dwelling:
         elif loop.status == "timed out":
             stop = loop.limit or ("jump" if loop.jumps else "time")
         return {
-            **used.demand().scalars(),
+            **self.demand.scalars(),
             "level_cycles": float(loop.cycles),
             "level_jumps": float(loop.jumps),
             "clipped": used.clipped / max(used.cycles, 1),

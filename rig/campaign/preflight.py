@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from analysis.uncertainty import angle_uncertainty, certificate_lines, combine
@@ -14,17 +15,25 @@ from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
 from daq.seeds import stream
 from rig.beds.stack import nominal, refill
+from rig.campaign.dwelling import STOPS, Dwelling
 from rig.campaign.setup import PASS_BAND, Campaign
+from rig.drive.dwell import phasors
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform
-from rig.ledger import COLUMNS
+from rig.ledger import COLUMNS, IN_BED
+from rig.losses import LOST
 from rig.model import predict, total_of
 from rig.scene import Condition
 from rig.stand import Stand
 from rig.theory.total import AVERAGED_CYCLES
 
+Array = NDArray[np.float64]
+
 AHEAD = 8
 """Chunks of cycles simulated of each condition: the last one stands for the steady state."""
+
+HELD = 16
+"""Cycles simulated in coupled drive once the level is held: the last half counts."""
 
 POURINGS = 8
 """Refills whose W_T is computed to expect the scatter between repeats."""
@@ -39,6 +48,7 @@ class Outlook:
 
     exciter : shares of the exciter's limits, `Demand`
     range_force, range_acceleration : peak over the range of the channel
+    stopped : what keeps the level from being reached in coupled drive, "" for nothing
     W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
     """
 
@@ -59,13 +69,15 @@ class Outlook:
     W_detect: float
     smallest_difference: float | None
     seconds_per_cycle: float
+    stopped: str = ""
 
     @property
     def flags(self) -> tuple[str, ...]:
         """Limits that the condition exceeds."""
         used = {f"exciter {name}": share for name, share in asdict(self.exciter).items()}
         used |= {"force range": self.range_force, "acceleration range": self.range_acceleration}
-        return tuple(f"{name} {share:.2f} of its limit" for name, share in used.items() if share > 1.0)
+        stopped = (f"the level is not reached: {self.stopped}",) if self.stopped else ()
+        return (*stopped, *(f"{name} {share:.2f} of its limit" for name, share in used.items() if share > 1.0))
 
     @property
     def beyond(self) -> tuple[str, ...]:
@@ -85,24 +97,31 @@ def disk(campaign: Campaign) -> int:
     return samples * BYTES_PER_SAMPLE * len(campaign.instruments.channels)
 
 
+@dataclass(frozen=True)
+class Look:
+    """A condition as simulated without instruments: use of the exciter, J per cycle that are taken, level reached in
+    m/s^2, apparent mass in kg, peaks of force (N) and acceleration (m/s^2), wall seconds per cycle, and what keeps the
+    level from being reached ("" for nothing)."""
+
+    exciter: Demand
+    lost: float
+    level: float
+    mass: float
+    force: float
+    acceleration: float
+    seconds: float
+    stopped: str = ""
+
+
 def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     """Simulate a few cycles of a condition as set, without instruments, and plan its measurement."""
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     rate = campaign.lengths[condition.id].rate
-    motion = Waveform(drive.frequency, drive.acceleration)
-    started = time.perf_counter()
-    stand = Stand(scene, rig, motion, nominal(scene, rig), OVERSAMPLING * rate)
-    for _ in range(AHEAD):
-        stand.advance()
-    seconds = time.perf_counter() - started
-    rows = stand.drain_ledger()
-    last = rows[2 * len(rows) // 3 :].mean(axis=0)
-    lost = float(sum(last[COLUMNS.index(name)] for name in COLUMNS if name.startswith("W_") and name != "W_gauge"))
-    use = demand(rig.exciter, stand.latest_force, stand.rate, motion, PASS_BAND * rate)
+    look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
-    reactive = np.pi / motion.omega**2 * apparent_mass(stand, motion) * drive.acceleration**2
+    reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
     point = predict(condition, rig, campaign.averaged.get(condition.id, AVERAGED_CYCLES))
-    U, difference = _plan(campaign, condition, channels, lost, float(reactive))
+    U, difference = _plan(campaign, condition, channels, look.lost, float(reactive))
     return Outlook(
         id=condition.id,
         material=scene.grains.material,
@@ -112,16 +131,74 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         frequency=drive.frequency,
         acceleration=drive.acceleration,
         samples_per_cycle=rate / drive.frequency,
-        exciter=use,
-        range_force=_range_use(channels[0], use.peak * rig.exciter.force_peak + stand.weight),
-        range_acceleration=_range_use(channels[1], drive.acceleration),
+        exciter=look.exciter,
+        range_force=_range_use(channels[0], look.force),
+        range_acceleration=_range_use(channels[1], look.acceleration),
         W_T=point.W_T,
-        W_exp=lost,
+        W_exp=look.lost,
         U_W_exp=U,
         W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
         smallest_difference=difference,
-        seconds_per_cycle=seconds / len(rows),
+        seconds_per_cycle=look.seconds,
+        stopped=look.stopped,
     )
+
+
+def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
+    """The programmed motion, exact; the exciter solved backwards."""
+    rig, scene, drive = campaign.rig, condition.scene, condition.drive
+    motion = Waveform(drive.frequency, drive.acceleration)
+    started = time.perf_counter()
+    stand = Stand(scene, rig, motion, nominal(scene, rig), rate)
+    for _ in range(AHEAD):
+        stand.advance()
+    seconds = time.perf_counter() - started
+    rows = stand.drain_ledger()
+    use = demand(rig.exciter, stand.latest_force, stand.rate, motion, PASS_BAND * rate / OVERSAMPLING)
+    return Look(
+        exciter=use,
+        lost=_lost(rows[2 * len(rows) // 3 :]),
+        level=drive.acceleration,
+        mass=apparent_mass(stand, motion),
+        force=use.peak * rig.exciter.force_peak + stand.weight,
+        acceleration=drive.acceleration,
+        seconds=seconds / len(rows),
+    )
+
+
+def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
+    """The dwell with the nominal bed, until its level is held, and some cycles more."""
+    rig, frequency = campaign.rig, condition.drive.frequency
+    started = time.perf_counter()
+    dwelling = Dwelling(condition, rig, nominal(condition.scene, rig), rate)
+    cycles = 0
+    while dwelling.dwell.steady_from is None or cycles < dwelling.dwell.steady_from:
+        cycles += 1
+        dwelling.stand.read(round(cycles * rate / frequency) - round((cycles - 1) * rate / frequency))
+        dwelling.ledger()
+    signals = dwelling.stand.read(round(HELD * rate / frequency))
+    rows = dwelling.ledger()[:HELD]
+    seconds = (time.perf_counter() - started) / (cycles + HELD)
+    last = signals[:2, -round(HELD // 2 * rate / frequency) :]
+    force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in last)
+    scalars = dwelling.scalars()
+    level = abs(acceleration)
+    return Look(
+        exciter=dwelling.demand,
+        lost=_lost(rows[HELD // 2 :]),
+        level=level,
+        mass=(force * acceleration.conjugate()).real / level**2 if level else 0.0,
+        force=float(np.abs(last[0]).max()),
+        acceleration=float(np.abs(last[1]).max()),
+        seconds=seconds,
+        stopped=next((name for name in STOPS if scalars[f"stopped_by_{name}"]), ""),
+    )
+
+
+def _lost(rows: Array) -> float:
+    """What bed and losses take by a ledger, J per cycle."""
+    means = rows.mean(axis=0)
+    return float(sum(means[COLUMNS.index(name)] for name in (*IN_BED, *LOST)))
 
 
 def apparent_mass(stand: Stand, motion: Waveform) -> float:

@@ -13,7 +13,7 @@ from rig.cases import cases
 from rig.catalog import dump_rig
 from rig.catalog.entries import Exciter
 from rig.drive.exciter import Demand, solvable_band
-from rig.plan import Run, condition_facts, prediction_document, predictions
+from rig.plan import Run, condition_facts, has_level, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
 from rig.settings import assumed_settings
@@ -42,7 +42,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         protocol={"name": protocol.name, "question": protocol.question, **identity(campaign)["protocol"],
                   "expect": cases(protocol, campaign.conditions)},
         documents={
-            "prediction": prediction_document(found),
+            "prediction": prediction_document({c.id: found[c.id] for c in campaign.conditions if has_level(c)}),
             "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
                     "provenance": dict(campaign.rig.provenance),
                     "values": [*(asdict(value) for value in campaign.rig.values),

@@ -80,7 +80,7 @@ class Loop:
 
     cycles, level : measured so far, and the latest mean of the level, m/s^2
     slope : dln(level)/dln(command) as last estimated
-    limit : the exciter's limit that keeps the level from being reached, "" for none
+    limit : the exciter's limit that was met on the way to a level that is not reached, "" for none
     scatter : of the level from cycle to cycle under a constant command, relative
     jumps : cycles in which the level changed more than any slope explains
     window : measured phasors of the cycles since the command changed; where the level scatters, those before it as
@@ -135,8 +135,6 @@ def stepped(
     stuck = _at_limit(shares) if error > 0.0 and not inside else ""
     if stuck:
         loop = replace(loop, limit=stuck)
-    elif far or full:
-        loop = replace(loop, limit="")
     if stuck and full and shares[stuck] <= OVER_LIMIT:
         return replace(loop, status="limited")
     if loop.cycles >= target.timeout:
