@@ -28,8 +28,9 @@ LEVEL_SCALARS = ("level_cycles", "level_jumps", "clipped", *(f"stopped_by_{name}
 """Scalars of a run in coupled drive: cycles that the level control took, jumps of the level on the way, share of the
 held cycles in which the amplifier was at a limit, and 1 for what stopped the level, 0 otherwise."""
 
-FIRST_GUESS = 0.5
-"""First command over the one that box and bonded bed would need: a bed that slides needs less."""
+FIRST_GUESS = 0.3
+"""First command over the one that box and bonded bed would need: a bed that slides needs less, and a level that is
+overshot leaves it elsewhere."""
 
 OVERSHOOT = 1.25
 """Level from which a dwell comes down where it approaches from above, over the level asked for."""

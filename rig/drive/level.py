@@ -22,6 +22,10 @@ Phasors = tuple[complex, ...]
 GAIN = 0.5
 """Share of the level error, in logarithms, that a cycle corrects far from the target."""
 
+LEAD = 0.6
+"""Share of the level's latest rise, in logarithms, that is expected once more: exciter and bed still follow the command
+before."""
+
 FINE_GAIN = 0.9
 """The same for a mean near the target."""
 
@@ -151,7 +155,8 @@ def _changed(
 ) -> Loop:
     """The loop with a new command and an empty window."""
     slope = _slope(loop, far)
-    step = max(-LONGEST_STEP, min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * error))
+    rising = _rising(loop) if far else 0.0
+    step = max(-LONGEST_STEP, min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * (error - LEAD * rising)))
     if used:  # down to the limit: what is then missing of the level is the limit's
         step = max(-LONGEST_STEP, min(0.0, -math.log(used)))
     turn = 0.0
@@ -168,6 +173,13 @@ def _changed(
         kept = tuple((grown * phasors[0], *phasors[1:]) for phasors in loop.window[-target.longest :])
     before = (loop.level, abs(loop.command[0]))
     return replace(loop, command=(first, *others), slope=slope, window=kept, fresh=0, before=before)
+
+
+def _rising(loop: Loop) -> float:
+    """Change of the level in the latest cycle, in logarithms."""
+    latest = abs(loop.window[-1][0])
+    was = abs(loop.window[-2][0]) if len(loop.window) > 1 else loop.before[0]
+    return math.log(latest / was) if min(latest, was) > 0.0 else 0.0
 
 
 def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
