@@ -167,7 +167,7 @@ def _run_row(run: RunEnergy) -> dict[str, Any]:
         "W_exp": energy.W, "W_exc": energy.W_exc, "W_kin": energy.W_kin, "W_phasor": energy.W_phasor,
         "W_eq25": energy.W_eq25, "W_coil": run.coil.W if run.coil else None,
         "W_T_recorded": run.recorded,
-        "cycles": energy.cycles, "flags": list(run.flags),
+        "cycles": energy.cycles, "flags": list(run.flags), "clip_ratio": run.clip_ratio,
     }  # fmt: skip
 
 

@@ -1,12 +1,13 @@
 """Whole drive cycles of a record: where they start, how many there are, and an integer number of samples in each."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SEGMENT_CYCLES", "Grid", "Window", "on_grid", "whole_cycles"]
+__all__ = ["SEGMENT_CYCLES", "Grid", "Window", "clear_of", "on_grid", "whole_cycles"]
 
 Array = NDArray[np.float64]
 
@@ -94,6 +95,19 @@ def _moved(start: float, short: float, grid: Grid) -> float:
     if not 0 < short <= REACH + 1 or start - short < REACH - 1:
         return start
     return start - (math.ceil(short) if grid.exact else short)
+
+
+def clear_of(window: Window, bad: Sequence[tuple[int, int]]) -> tuple[Window, ...]:
+    """The stretches of a window's whole cycles that need no sample of the ranges `bad` (first, one past the last)."""
+    period, kept = window.grid.period, np.ones(window.cycles, dtype=bool)
+    for cycle in range(window.cycles):
+        first, last = Window(window.grid, window.start + cycle * period, 1).sample_range()
+        kept[cycle] = all(last <= start or first >= stop for start, stop in bad)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], kept.astype(np.int8), [0]))))
+    return tuple(
+        Window(window.grid, window.start + int(first) * period, int(last - first))
+        for first, last in zip(edges[::2], edges[1::2], strict=True)
+    )
 
 
 def on_grid(samples: Array, first: int, window: Window) -> Array:

@@ -1,17 +1,18 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from analysis.coil import Coil, coil_of
 from analysis.comparison import agreement
-from analysis.cycles import Window, on_grid, whole_cycles
+from analysis.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.documents import checked
 from analysis.energy import Energy, combined, harmonics, window_energy
 from analysis.mistakes import misread
 from analysis.offset import actual_of
+from analysis.quality import Scrutiny
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
 from analysis.uncertainty import noise_of
 from analysis.verdict import NOT_REACHED
@@ -20,17 +21,20 @@ from daq.block import Flag, flag_names
 __all__ = ["read_session", "run_energy"]
 
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
-BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN  # samples are missing or mean nothing: no energy can be stated
+BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT
+"""Samples are missing or mean nothing: no energy can be stated."""
+OVERLOAD = Flag.OVERLOAD_HI | Flag.OVERLOAD_LO
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
-def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
+def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False) -> RunEnergy:
     """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
 
     run: a run of the record, or its name. May be called from any thread, as soon as the run is complete, while others
-    are still written. AnalysisError where the run is incomplete, has missing samples in the window or no whole cycle.
+    are still written. AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
+    tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole cycle.
     """
     if isinstance(run, str):
         run = record.run(run)
@@ -46,8 +50,9 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
     except ValueError as error:
         raise AnalysisError(f"{run.name}: {error}") from error
     delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
-    parts, bits = [], run.flags & ~Flag.NOT_SETTLED
-    for part in window.segments():
+    stretches = _stretches(record, run, window, tolerate_gaps)
+    parts, scrutiny, bits = [], Scrutiny((force, acceleration), setting), run.flags & ~Flag.NOT_SETTLED
+    for part in (part for stretch in stretches for part in stretch.segments()):
         first, last = part.sample_range()
         signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
         found = signals[0].flags | signals[1].flags
@@ -55,6 +60,7 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
             raise AnalysisError(f"{run.name} has {', '.join(flag_names(found & BROKEN))} in samples {first} to {last}")
         bits |= found & ~Flag.NOT_SETTLED
         F, a = (on_grid(signal.samples, first, part) for signal in signals)
+        scrutiny.add(signals, (F, a), part.cycles)
         energy = window_energy(
             F, a, part.cycles, setting.frequency,
             time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
@@ -62,19 +68,40 @@ def run_energy(record: Record, run: RunFacts | str) -> RunEnergy:
         )  # fmt: skip
         parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
     energy, scalars = combined(parts), record.scalars(run.name)
-    samples = round(window.cycles * window.grid.period)
+    samples = round(energy.cycles * window.grid.period)
     wanted = int(setting.record_cycles)
-    short = (f"{window.cycles}_of_{wanted}_cycles",) if window.cycles < wanted else ()
+    short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
     return RunEnergy(
         run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
         u_noise=noise_of(energy, force, acceleration, samples),
-        flags=(*flag_names(int(bits)), *short, *_limits(scalars), *_stops(scalars)),
+        flags=(*flag_names(int(bits)), *scrutiny.flags(run.name), *short, *_limits(scalars), *_stops(scalars)),
         use=_use(scalars),
-        ledger=_ledger(record, run, setting, window),
+        ledger=_ledger(record, run, setting, window, stretches),
         coil=_coil(record, run, window, energy, samples),
         recorded=scalars.get(RECORDED),
         u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
+        clip_ratio=_clip_ratio(record, run) if bits & OVERLOAD else 0.0,
     )  # fmt: skip
+
+
+def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
+    """The window, or where gaps are tolerated its whole cycles on either side of every broken block: nothing is ever
+    joined over one. AnalysisError where none is left."""
+    if not tolerate_gaps or not run.flags & BROKEN:
+        return (window,)
+    blocks = record.blocks(run.name)
+    broken = (np.bitwise_or.reduce(blocks["flags"], axis=1) & int(BROKEN)) != 0
+    bad = [(int(b["start"]), int(b["start"] + b["count"])) for b in blocks[broken]]
+    left = clear_of(window, bad)
+    if not left:
+        raise AnalysisError(f"{run.name} has no whole cycle beside its gaps")
+    return left
+
+
+def _clip_ratio(record: Record, run: RunFacts) -> float:
+    """Largest share of a channel's samples that lie at a rail."""
+    blocks = record.blocks(run.name)
+    return float(blocks["clipped"].sum(axis=0).max()) / max(int(blocks["count"].sum()), 1)
 
 
 def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples: int) -> Coil | None:
@@ -94,17 +121,19 @@ def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples
     return coil_of(total, energy, channel, exciter, samples)
 
 
-def read_session(record: Record, energies: Mapping[str, RunEnergy] | None = None) -> dict[str, Any]:
+def read_session(
+    record: Record, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
+) -> dict[str, Any]:
     """The report (interfaces.md, report.json) of a session from its record alone.
 
-    energies: results of run_energy by run name, where they are there already. Runs that cannot be used are listed under
-    `left_out` with the reason.
+    energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
+    cannot be used are listed under `left_out` with the reason.
     """
     known, left_out = dict(energies or {}), []
     for run in record.runs:
         if run.name not in known:
             try:
-                known[run.name] = run_energy(record, run)
+                known[run.name] = run_energy(record, run, tolerate_gaps)
             except AnalysisError as error:
                 left_out.append({"run": run.name, "why": str(error)})
     protocol, rig, prediction = (
@@ -149,8 +178,10 @@ def _use(scalars: Mapping[str, float]) -> dict[str, float]:
     return {name.removeprefix(LIMITS): share for name, share in scalars.items() if name.startswith(LIMITS)}
 
 
-def _ledger(record: Record, run: RunFacts, setting: Setting, window: Window) -> dict[str, float] | None:
-    """True energies over the drive cycles that the window covers; None for a record without truth."""
+def _ledger(
+    record: Record, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
+) -> dict[str, float] | None:
+    """True energies over the drive cycles that are read; None for a record without truth."""
     truth = record.truth
     if truth is None:
         return None
@@ -159,6 +190,9 @@ def _ledger(record: Record, run: RunFacts, setting: Setting, window: Window) -> 
     used = np.asarray(rows)[first : first + window.cycles]
     if len(used) < window.cycles:
         return None
+    if stretches != (window,):
+        begins = [(round((s.start - window.start) / window.grid.period), s.cycles) for s in stretches]
+        used = np.concatenate([used[begin : begin + cycles] for begin, cycles in begins])
     means = dict(zip(columns, (float(value) for value in used.mean(axis=0)), strict=True))
     for name in ("closure", "closure_exciter"):
         if name in means:

@@ -40,6 +40,8 @@ class ChannelFacts(Protocol):
     @property
     def model(self) -> str: ...
     @property
+    def scale(self) -> float: ...
+    @property
     def sensitivity(self) -> float: ...
     @property
     def time_constant(self) -> float | None: ...
@@ -71,6 +73,8 @@ class ChannelFacts(Protocol):
     def full_scale(self) -> float: ...
     @property
     def linearity(self) -> float: ...
+    @property
+    def clips_at(self) -> float: ...
 
 
 class RunFacts(Protocol):
@@ -127,6 +131,7 @@ class Record(Protocol):
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal: ...
     def document(self, name: str) -> Any: ...
     def scalars(self, run: str) -> Mapping[str, float]: ...
+    def blocks(self, run: str) -> NDArray[np.void]: ...
 
 
 SIZE, MASS = Number(0.0, 1e9, null=True), Number(0.0, 1e9)
@@ -209,7 +214,7 @@ class RunEnergy:
     only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
     coil: energy as the coil's current tells it, None where that is not recorded. recorded: what is predicted on the
     waveform that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard uncertainty
-    from what the bed went through before.
+    from what the bed went through before. clip_ratio: share of samples at a rail, of the channel that has most.
     """
 
     run: str
@@ -224,3 +229,4 @@ class RunEnergy:
     coil: "Coil | None" = None
     recorded: float | None = None
     u_recorded: float = 0.0
+    clip_ratio: float = 0.0

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from analysis.conditions import Result
 from analysis.nulls import Null
+from analysis.quality import SUSPECT
 from analysis.references import Reference
 
 __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
@@ -73,7 +74,8 @@ def _reference(reference: Reference) -> tuple[bool, str]:
 
 def _faulted(flags: Sequence[str]) -> bool:
     """Whether a run's flags say that it is not what was asked for."""
-    return bool(FAULTS & set(flags)) or any(flag.startswith(NOT_REACHED) for flag in flags)
+    found = {flag.rpartition("_")[0] for flag in flags}  # what the analysis found of a channel: "gain_step_force"
+    return bool(FAULTS & set(flags) or found & set(SUSPECT)) or any(flag.startswith(NOT_REACHED) for flag in flags)
 
 
 def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:

@@ -16,6 +16,7 @@ from rig.catalog.writer import write_yaml
 from rig.edits import edited
 from rig.errors import InputError, in_order
 from rig.expect import plain_expect, read_expect
+from rig.faultlist import misplaced, plain_faults, read_faults
 from rig.grid import Row, expand
 from rig.practice import BadPractice
 from rig.scene import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
@@ -83,7 +84,7 @@ def dump_protocol(protocol: Protocol) -> str:
     data["repeats"] = plain(Repeats, protocol.repeats)
     data |= {
         "seed": protocol.seed,
-        "faults": list(protocol.faults),
+        "faults": plain_faults(protocol.faults),
         "expect": [plain_expect(claim) for claim in protocol.expect],
     }
     if protocol.fidelity != "as_written":
@@ -129,7 +130,7 @@ def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
 
     mistakes = list(notes.mistakes)
     try:
-        expand(protocol, place, _spread(notes.failed))
+        mistakes += misplaced(protocol, expand(protocol, place, _spread(notes.failed)), notes)
     except InputError as error:
         mistakes += error.mistakes
     if mistakes:
@@ -159,9 +160,7 @@ def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
     if key == "repeats" and isinstance(node.value, int):
         return Repeats(value_of(grammar(Repeats)["n"], node, key, notes))
     if key == "faults":
-        if node.value != ():
-            raise notes.reject(node.where, key, "faults, not built yet", "[]")
-        return ()
+        return read_faults(node, notes)
     if key == "expect":
         return read_expect(node, notes)
     return value_of(grammar(Protocol)[key], node, key, notes)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
+from rig.faults import Fault
 from rig.practice import NO_MISTAKE, BadPractice
 from rig.units import Quantity
 
@@ -237,7 +238,7 @@ class Protocol:
     vary: tuple[Vary, ...] = ()
     repeats: Repeats = Repeats()
     seed: Annotated[int, Quantity("number", 0, 2**63 - 1)] = 2015
-    faults: tuple[Mapping[str, Any], ...] = ()
+    faults: tuple[Fault, ...] = ()
     expect: tuple[Expect, ...] = ()
     mistake: BadPractice = NO_MISTAKE
     fidelity: Fidelity = "as_written"

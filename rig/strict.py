@@ -108,7 +108,8 @@ def fill(kind: type[T], node: Node, path: str, notes: Notes) -> T:
     known = grammar(kind)
     given: dict[str, Any] = {}
     notes.places[path] = node.where
-    for name, entry in entries_of(node, path, known, notes).items():
+    entries = entries_of(node, path, known, notes)
+    for name, entry in entries.items():
         full = f"{path}.{name}" if path else name
         try:
             given[name] = value_of(known[name], entry, full, notes)
@@ -116,6 +117,8 @@ def fill(kind: type[T], node: Node, path: str, notes: Notes) -> T:
             continue
     for item in fields(kind):  # type: ignore[arg-type]
         if item.name not in given and item.default is MISSING and item.default_factory is MISSING:
+            if item.name in entries:
+                raise Unreadable(f"{path}.{item.name}")  # noted above
             raise notes.reject(node.where, path, f"no {item.name}", f"a mapping with {item.name}")
     return kind(**given)
 

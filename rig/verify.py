@@ -7,6 +7,7 @@ from contextlib import suppress
 from rig.axes import plain_axes, read_axes
 from rig.errors import InputError
 from rig.expect import plain_expect, read_expect
+from rig.faultlist import plain_faults, read_faults
 from rig.scene import Protocol
 from rig.strict import Notes, Unreadable, grammar, plain, value_of
 from rig.tree import node_of
@@ -26,7 +27,7 @@ def verify(protocol: Protocol) -> None:
     read_axes(node_of(plain_axes(protocol.vary)), notes)
     with suppress(Unreadable):
         read_expect(node_of([plain_expect(claim) for claim in protocol.expect]), notes)
-    if protocol.faults:
-        notes.reject("", "faults", "faults, not built yet", "()")
+    with suppress(Unreadable):
+        read_faults(node_of(plain_faults(protocol.faults)), notes)
     if notes.mistakes:
         raise InputError(*notes.mistakes)

@@ -17,6 +17,7 @@ from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
+from rig.campaign.faults import with_faults
 from rig.campaign.fidelity import chosen
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
@@ -140,8 +141,9 @@ class Campaign:
         """A run, block by block: stand, transducers, front end."""
         size = self.lengths[run.condition.id]
         road: Servo | Coupled = Coupled(self, run) if run.condition.drive.mode == "coupled" else Servo(self, run)
-        acquisition = self._acquisition(run, road.source)
-        lead = road.lead(acquisition, size.rate / run.condition.drive.frequency)
+        steady = self._acquisition(run, road.source)
+        lead = road.lead(steady, size.rate / run.condition.drive.frequency)
+        acquisition = with_faults(steady, self.protocol, run, self.instruments, size, lead)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         listener = self._listener(run)
         for number, samples in enumerate(size.blocks):

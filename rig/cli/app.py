@@ -154,6 +154,9 @@ def replay(
 def report(
     session: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")],
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Report folder; default: the session's.")] = None,
+    tolerate_gaps: Annotated[
+        bool, typer.Option("--tolerate-gaps", help="Read the whole cycles beside a gap; never across one.")
+    ] = False,
     json: Json = False,
 ) -> None:  # fmt: skip
     """Analyse recorded sessions again, from the records alone.
@@ -165,7 +168,7 @@ def report(
     go_on_watched(*session)
     from rig.cli.sessions import report_sessions
 
-    raise typer.Exit(report_sessions(session, out, json))
+    raise typer.Exit(report_sessions(session, out, json, tolerate_gaps))
 
 
 @app.command()

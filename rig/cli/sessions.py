@@ -13,7 +13,7 @@ from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
 
 
-def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -> int:
+def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False) -> int:
     """`rig report`: analysis and agreement from the records alone."""
     from analysis import read_session, write_report
 
@@ -23,7 +23,7 @@ def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool) -
     for session in sessions:
         path = session_file(session)
         with open_watched(path) as record:
-            reports.append(read_session(record))
+            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
         folder = out or path.parent
         write_report(reports[-1], folder)
         if not as_json:

@@ -31,6 +31,8 @@ class Facts:
     flicker: float = 0.0
     full_scale: float = 0.0
     linearity: float = 0.0
+    clips_at: float = 0.0
+    scale: float = 0.0
 
     @property
     def time_constants(self) -> tuple[float, ...]:

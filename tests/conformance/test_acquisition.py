@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from daq.acquisition import Acquisition, Emulated
 from daq.block import Block, Flag
 from daq.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info, draw_state
+from daq.faults import KINDS, Fault, Faulted
 from daq.frontend import FrontEnd
 from daq.replay import Replayed
 from daq.seeds import stream
@@ -84,7 +85,17 @@ def replayed() -> Replayed:
     return Replayed(recorded(), "run_0001")
 
 
-MAKERS = {"emulated": emulated, "replayed": replayed}
+def faulted() -> Faulted:
+    """One fault of every kind, over the first 20000 samples and across each other."""
+    faults = [
+        Fault(kind, k % 2, 300 + 1900 * k, 2500 + 1900 * k, 3.0 if kind == "clock_slip" else 0.01)
+        for k, kind in enumerate(KINDS)
+    ]
+    noise = [stream(7, "fault", kind) for kind in KINDS]
+    return Faulted(emulated(), faults, noise, (4.0, 4.0), (True, False))
+
+
+MAKERS = {"emulated": emulated, "faulted": faulted, "replayed": replayed}
 
 
 @pytest.fixture(params=MAKERS.values(), ids=MAKERS.keys())
