@@ -69,7 +69,7 @@ def test_the_start_of_the_poles_is_no_drift() -> None:
     t = np.arange(CYCLES * POINTS).reshape(CYCLES, POINTS) / POINTS / 20.0
     x = record() + 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau)
     assert found(x, settled=0.5) == ()
-    assert "drift" in found(record() + 3 * 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau), settled=0.5)
+    assert "drift" in found(record() + 10 * 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau), settled=0.5)
 
 
 def test_stuck_values_and_no_signal() -> None:
