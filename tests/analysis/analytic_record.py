@@ -102,6 +102,12 @@ class AnalyticRecord:
     def document(self, name: str) -> Any:
         return self.documents.get(name)
 
+    def blocks(self, run: str) -> np.ndarray:
+        """One block, one sample in a hundred of the force at the rail where the flags say so."""
+        samples = self.run(run).samples
+        dtype = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (2,)), ("clipped", "<u4", (2,))]
+        return np.array([(0, samples, (self.block_flags,) * 2, (samples // 100, 0))], dtype=dtype)
+
     def scalars(self, run: str) -> dict[str, float]:
         return {"use_force": 0.5} if run else {}
 
