@@ -130,7 +130,8 @@ def doubts(channel: ChannelFacts, part: Cycles, omega: float, settled: float, sm
         return (*found, "no_signal")
     # of second differences of white noise, rounding included
     floor = math.sqrt(6.0 * (channel.noise_rms**2 + (channel.scale / channel.sensitivity) ** 2 / 12))
-    usual = floor if smooth else max(float(np.median(part.fast)), floor)
+    stated = smooth and channel.noise_rms > 0  # else the other cycles are the measure
+    usual = floor if stated else max(float(np.median(part.fast)), floor)
     if np.any((part.fast > NOISY * usual) & (part.crest < GAUSSIAN)):
         found.append("noisy")
     if part.spike > LONE:
