@@ -105,7 +105,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("repeats: [4]", ["repeats: found a list"]),
         ("seed: -1", ["seed: found -1"]),
         ("seed: 1.5", ["seed: found 1.5", "a whole number"]),
-        ("faults: [{channel: force}]", ["faults, not built yet"]),
+        ("faults: [{channel: force}]", ["faults[1]: found no kind"]),
         ("expect: 3", ["expect: found 3"]),
         ("expect: [3]", ["expect[1]: found 3", "a mapping for each claim"]),
         ("rig: defalt", ["protocol:3: rig: found no rig 'defalt'", "did you mean 'default'?"]),
