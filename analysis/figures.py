@@ -143,6 +143,9 @@ def offset_figure(report: Row) -> "Figure":
             [100 * row["U_offset"] for row in rows],
             fmt="o", color=BLUE, markersize=4, elinewidth=1, capsize=2, label="W_exp / W_T - 1, with U (95 %)",
         )  # fmt: skip
+        known = [1e3 * row["W_T"] for row in rows]
+        if len(set(known)) == 1:  # rounding may leave a logarithmic axis with a single point no width at all
+            axes.set_xlim(known[0] / 2, known[0] * 2)
         axes.set_xlabel("predicted energy W_T, mJ per cycle")
         axes.set_ylabel("offset, %")
         axes.legend(loc="best")
