@@ -18,7 +18,8 @@ def with_faults(
 ) -> Acquisition:
     """The acquisition with those faults that the protocol has for this run; the acquisition itself where it has none.
 
-    lead: samples read of it before the record, in which no fault is. Each fault has its own random stream, by its kind, channel and start: a fault more changes no other.
+    lead: samples read of it before the record, in which no fault is. Each fault has its own random stream, by its kind,
+    channel and start: a fault more changes no other.
     """
     names, period = acquisition.channels, size.rate / run.condition.drive.frequency
     found = [
