@@ -24,7 +24,7 @@ def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
 
 
 def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
-    """The slug of a filling: its gap as the scene gives it, or from the fill."""
+    """The slug of a filling: its gap as the scene gives it, or from the fill. Without room it starts at rest."""
     settings, vertical = scene.slug, scene.axis == "vertical"
     if settings.gap == "none":
         low, high = 0.0 if vertical else -math.inf, math.inf
@@ -38,7 +38,7 @@ def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
         friction=settings.friction * rig.gravity if scene.axis == "horizontal" else 0.0,
         restitution=settings.restitution,
         start=min(settings.start, high),
-        velocity=settings.velocity,
+        velocity=settings.velocity if high > low else 0.0,
     )
 
 

@@ -40,9 +40,9 @@ class Slug:
         return world(weight, band, self.low / length, self.high / length, self.restitution, P, Q)
 
     def state(self, acceleration: float, frequency: float) -> State:
-        """The start in the units of the waveform: at rest, as without room, or moving (on a rough floor to a side)."""
+        """The start in the units of the waveform: at rest, or moving (on a rough floor to a side)."""
         omega = 2.0 * math.pi * frequency
-        u = self.velocity * omega / acceleration if self.high > self.low else 0.0
+        u = self.velocity * omega / acceleration
         towards = int(math.copysign(1.0, u)) if self.friction > 0.0 else 1
         return State(0 if u == 0.0 else towards, self.start * omega**2 / acceleration, u)
 

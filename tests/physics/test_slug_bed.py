@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
@@ -113,6 +113,7 @@ def test_a_jump_between_orbits_is_an_uncertainty(rig: Rig) -> None:
     velocity=st.floats(-0.5, 0.5),
     seed=st.integers(0, 2**32),
 )
+@example(axis="vertical", acceleration=1.0, e=0.0, friction=0.0, gap=0.0, start=0.0, velocity=0.5, seed=0)
 @settings(max_examples=40, deadline=None)
 def test_the_account_closes_in_the_stand(
     rig: Rig, axis: Axis, acceleration: float, e: float, friction: float, gap: object, start: float, velocity: float,
