@@ -129,7 +129,7 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
         wrapped = np.sum(phases >= TWO_PI)
         for n in range(count):
             k = (n - wrapped) % count
-            phase = phases[k] % TWO_PI
+            phase = max(phases[k] % TWO_PI, table[line, 0])
             if phase > 0.0:
                 line += 1
                 table[line, 0] = phase
