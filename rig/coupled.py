@@ -83,8 +83,18 @@ class CoupledStand:
         self._grids: dict[tuple[int, int], Propagator] = {}
         self._y = np.zeros(kernel.STATES)
         rows = self.bed.band.size
-        self._w, self._u = np.zeros(rows), np.zeros(rows)
-        self._lo, self._hi = -self.bed.band, np.where(self.bed.play > 0.0, np.inf, self.bed.band)
+        self._w, self._u = np.full(rows, self.bed.velocity), np.full(rows, self.bed.start)
+        leans = (self._u == 0.0) & (self._w == 0.0)
+        self._lo, self._hi = -self.bed.band, np.where(leans, np.inf, self.bed.band)
+        self._machine = kernel.Machine(
+            **asdict(self.plant), voltage_peak=rig.exciter.voltage_peak, current_peak=rig.exciter.current_peak,
+            is_current=self._by_current, interval=0.0,
+        )  # fmt: skip
+        resting = -self.bed.row_mass * rows * self.bed.pull
+        self._around = Pull(
+            self.bed.row_mass, self.bed.restitution, self.bed.pull, self.plant.box, self.losses.air, self.losses.guide,
+            resting,
+        )  # fmt: skip
         self._feed = kernel.Feed(self._by_current, np.nan)
         self._phasors: tuple[complex, ...] = ()
         self._start = 0.0
@@ -115,7 +125,7 @@ class CoupledStand:
         order = np.arange(1.0, len(command.phasors) + 1.0)
         unit = steady(self.plant, "current" if self._by_current else "voltage", order * command.frequency)
         self._y[:] = (unit @ np.asarray(command.phasors)).real
-        self._w[:] = self._y[V]
+        self._w[:] = self._y[V] + self.bed.velocity
         self._phasors = command.phasors
 
     @property
@@ -168,7 +178,8 @@ class CoupledStand:
         before = self._energies()
         grid = self._grid(parts, max(steps, 1), interval)
         self._feed, signals, accounts = kernel.stretch(
-            self._machine(interval), self._pull(), self._feed, grid.phi, grid.now, grid.next, grid.thrust, asked,
+            self._machine._replace(interval=interval), self._around, self._feed,
+            grid.phi, grid.now, grid.next, grid.thrust, asked,
             self._y, self._w, self._u, self._lo, self._hi, self.bed.band, self.bed.play,
         )  # fmt: skip
         clipped = float(np.mean((signals[:-1, kernel.LIMITED] > 0.0) | (asked[1:] != told[1:])))
@@ -177,7 +188,9 @@ class CoupledStand:
         signals = signals[:-1]
         self._rows.append(self._account(accounts, float(time[-1] - time[0]), before, self._energies()))
         self.limits.append(self._used(accounts, clipped))
-        means = signals.reshape(-1, parts, kernel.SIGNALS).sum(axis=1).T * self.rate
+        if parts > 1:
+            signals = signals.reshape(-1, parts, kernel.SIGNALS).sum(axis=1)
+        means = signals.T * self.rate
         named = {
             "force": means[kernel.MOMENTUM] + self.plant.read_mass * means[kernel.GAUGE_MASS],
             "acceleration": means[kernel.SPEED],
@@ -191,18 +204,6 @@ class CoupledStand:
         if key not in self._grids:
             self._grids[key] = propagator(self.plant, interval, steps)
         return self._grids[key]
-
-    def _machine(self, interval: float) -> kernel.Machine:
-        e = self._exciter
-        return kernel.Machine(
-            **asdict(self.plant), voltage_peak=e.voltage_peak, current_peak=e.current_peak,
-            is_current=self._by_current, interval=interval,
-        )  # fmt: skip
-
-    def _pull(self) -> Pull:
-        bed, losses = self.bed, self.losses
-        resting = -bed.row_mass * bed.band.size * bed.pull
-        return Pull(bed.row_mass, bed.restitution, bed.pull, self.plant.box, losses.air, losses.guide, resting)
 
     def _energies(self) -> tuple[float, float, float]:
         """Energy of box, bed and exciter, J; that of the bed with the height of its rows in the box."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.two_way import Pull, carry, collide, end_velocity, next_walls
+from rig.kernels.two_way import WINDOW, Pull, carry, collide, end_velocity, next_walls
 from rig.kernels.waveform import Array
 
 XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
@@ -220,6 +220,7 @@ def stretch(
     q, dq = np.empty(SQUARE + 1), np.empty(SQUARE + 1)
     p, slip, heat = np.zeros(rows), np.empty(rows), np.empty(rows)
     who = np.empty(rows, np.int64)
+    grip = 1.0 / np.maximum(band, 1e-300)
     leaning = bool(np.any(hi - lo == math.inf))
     k0, force, per_time, least, most = 0, 0.0, 1.0, 0.0, 0.0
     while k0 < intervals:
@@ -232,7 +233,7 @@ def stretch(
         depth = TOUCH * (most - least) * steps * h
         count, first = next_walls(h, steps, around.pull, per_time, moved, depth, p, w, u, lo, hi, play, who, slip)
         if count:
-            steps = min(int(first) + 1, steps)
+            steps = min(int(first) + WINDOW, steps)
         time = steps * h
         start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
         end, given, air, guide = end_velocity(
@@ -247,8 +248,8 @@ def stretch(
         accounts[AIR] += air / time * way
         accounts[GUIDE] += guide / time * way
         rub, push = carry(
-            (end - start) / time - around.pull, start, time, stop * h, way, around, p, band, w, u, lo, hi, play, slip,
-            heat, leaning, stop == steps and 2 * steps >= longest,
+            (end - start) / time - around.pull, start, time, stop * h, way, around, p, band, grip, w, u, lo, hi, play,
+            slip, heat, leaning, stop == steps and 2 * steps > longest,
         )  # fmt: skip
         accounts[FRICTION] += rub - push
         accounts[COLLISION] += push
@@ -256,7 +257,7 @@ def stretch(
         for s in range(STATES):
             y[s] = path[stop, s]
         if count:
-            slow = abs(path[stop, V] - path[stop - 1, V])
+            slow = abs(path[stop, V] - path[stop - 1, V]) + abs(around.pull) * h
             behind, lost = collide(y[V], h, slow, around, count, who, play, w, u, lo, hi)
             signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
             signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])

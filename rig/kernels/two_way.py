@@ -3,14 +3,15 @@
 A step lasts some intervals of the grid. Over it every row feels a constant force: Coulomb friction against the box, or
 what holds it at rest there, or the push of the wall that it leans on. All rows meet in one unknown, the box velocity V
 at the end: V = V_free - gain sum_i p_i(V), p_i = m clip(V - w_i, lo_i t, hi_i t), monotone and piecewise linear, solved
-by Newton steps (Moreau 1988 for the implicit friction; the smooth part is exact). A step ends early at the edge next to
-the first impact. There, rows that have reached a wall exchange momentum with the free box, in the order of their
-numbers: v' - V' = -e (v - V).
+by Newton steps (Moreau 1988 for the implicit friction; the smooth part is exact). A step ends early at an edge `WINDOW`
+intervals at most behind the first impact. There, rows that have reached a wall exchange momentum with the free box, in
+the order of their numbers: v' - V' = -e (v - V).
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from rig.kernels.waveform import Array, Ints
@@ -20,6 +21,12 @@ NEWTON = 100
 
 RESIDUAL = 1e-14
 """Relative residual at which the velocity counts as found: some round-off of a sum over a thousand rows."""
+
+WINDOW = 2
+"""Intervals before and behind an edge whose impacts are dealt with at that edge."""
+
+CHUNK = np.uint64(64)
+"""Rows that are counted together before one of them is looked for (unsigned: that compiles to several at a time)."""
 
 NEAR = 1e-4
 """Share of its play within which a row that has leaned on a wall still does: impacts elsewhere shake it by less."""
@@ -66,12 +73,9 @@ def total(x: Array) -> float:
 
 
 @njit(cache=True, nogil=True)
-def impulses(V: float, start: float, time: float, w: Array, lo: Array, hi: Array, p: Array) -> tuple[int, int]:
-    """Impulses per mass, `p`, that give rows a box that ends a step with velocity V (less what gravity gives them).
-
-    Returns how many rows it holds, and how many have changed the sign of their slip since `start`.
-    """
-    held, turned = 0, 0
+def impulses(V: float, time: float, w: Array, lo: Array, hi: Array, p: Array) -> int:
+    """Impulses per mass, `p`, that give rows a box that ends a step with velocity V, and how many rows it holds."""
+    held = 0
     for i in range(w.shape[0]):
         d = V - w[i]
         least, most = lo[i] * time, hi[i] * time
@@ -79,8 +83,7 @@ def impulses(V: float, start: float, time: float, w: Array, lo: Array, hi: Array
         c = most if c > most else c
         p[i] = c
         held += 1 if c == d else 0
-        turned += 1 if (start - w[i]) * (d - c) < 0.0 else 0
-    return held, turned
+    return held
 
 
 @njit(cache=True, nogil=True)
@@ -104,14 +107,21 @@ def turn(a: float, start: float, time: float, band: Array, w: Array, p: Array) -
     a : acceleration of the box less that of gravity on the rows. Slip z ends at t = |z|/(band + |a|) and begins anew
     the other way for |a| > band: p = band (time - 2 t) in the direction of a. The implicit law has it all that way.
     """
-    change = 0.0
-    for i in range(w.shape[0]):
-        z = start - w[i]
-        if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i]:
-            friction = math.copysign(band[i] * (time - 2.0 * abs(z) / (band[i] + abs(a))), a)
-            if abs(friction) <= abs(p[i]):
-                change += friction - p[i]
-                p[i] = friction
+    change, rows = 0.0, np.uint64(w.shape[0])
+    for begin in range(np.uint64(0), rows, CHUNK):
+        end, turned = min(begin + CHUNK, rows), 0
+        for i in range(begin, end):
+            z = start - w[i]
+            turned += 1 if z * (z + a * time - p[i]) < 0.0 else 0
+        if turned == 0:
+            continue
+        for i in range(begin, end):
+            z = start - w[i]
+            if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i]:
+                friction = math.copysign(band[i] * (time - 2.0 * abs(z) / (band[i] + abs(a))), a)
+                if abs(friction) <= abs(p[i]):
+                    change += friction - p[i]
+                    p[i] = friction
     return change
 
 
@@ -133,12 +143,11 @@ def end_velocity(
 
     The rows' part of them stands in `p`, per mass.
     """
-    turned = 0
     low, high = -math.inf, math.inf
     given, air, guide = 0.0, 0.0, 0.0
     speed = 0.5 * abs(start + V)
     for _ in range(NEWTON):
-        held, turned = impulses(V - on.pull * time, start, time, w, lo, hi, p)
+        held = impulses(V - on.pull * time, time, w, lo, hi, p)
         air, guide, preload, slope = other_impulse(V, start, speed, time, on)
         given = on.row_mass * total(p) + air + guide + preload
         error = V - free + gain * given
@@ -154,8 +163,7 @@ def end_velocity(
         if better == V:
             break
         V = better
-    if turned:
-        given += on.row_mass * turn((V - start) / time - on.pull, start, time, band, w, p)
+    given += on.row_mass * turn((V - start) / time - on.pull, start, time, band, w, p)
     return V, given, air, guide
 
 
@@ -172,25 +180,26 @@ def next_walls(
     """
     time = steps * interval
     half, fall = 0.5 * time * time * per_time, 0.5 * time * time * pull - path[steps]
-    beyond = 0
-    for i in range(w.shape[0]):
-        place = u[i] + w[i] * time + half * p[i] + fall
-        room[i] = place
-        beyond += 1 if (place < -depth) | (place > play[i] + depth) else 0
-    count, first = 0, math.inf
-    if beyond == 0:
-        return count, first
-    for i in range(w.shape[0]):
-        place = room[i]
-        if -depth <= place <= play[i] + depth:
+    count, first, rows = 0, math.inf, np.uint64(w.shape[0])
+    for begin in range(np.uint64(0), rows, CHUNK):
+        end, beyond = min(begin + CHUNK, rows), 0
+        for i in range(begin, end):
+            place = u[i] + w[i] * time + half * p[i] + fall
+            room[i] = place
+            beyond += 1 if (place < -depth) | (place > play[i] + depth) else 0
+        if beyond == 0:
             continue
-        low = place < 0.0
-        if (hi[i] if low else -lo[i]) == math.inf:
-            continue
-        t = _crossing(w[i], p[i] * per_time + pull, u[i], play[i], low, interval, steps, path)
-        who[count] = i if low else -1 - i
-        count += 1
-        first = min(first, t)
+        for i in range(begin, end):
+            place = room[i]
+            if -depth <= place <= play[i] + depth:
+                continue
+            low = place < 0.0
+            if (hi[i] if low else -lo[i]) == math.inf:
+                continue
+            t = _crossing(w[i], p[i] * per_time + pull, u[i], play[i], low, interval, steps, path)
+            who[count] = int(i) if low else -1 - int(i)
+            count += 1
+            first = min(first, t)
     return count, first
 
 
@@ -210,8 +219,8 @@ def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: fl
 
 @njit(cache=True, nogil=True)
 def carry(
-    a: float, start: float, time: float, part: float, moved: float, on: Pull, p: Array, band: Array, w: Array, u: Array,
-    lo: Array, hi: Array, play: Array, slip: Array, heat: Array, leaning: bool, settle: bool,
+    a: float, start: float, time: float, part: float, moved: float, on: Pull, p: Array, band: Array, grip: Array,
+    w: Array, u: Array, lo: Array, hi: Array, play: Array, slip: Array, heat: Array, leaning: bool, settle: bool,
 ) -> tuple[float, float]:  # fmt: skip
     """Move the rows through the first `part` (s) of a step of `time` (s); heat in all, and that of leaning, J.
 
@@ -234,7 +243,7 @@ def carry(
             heat[i] = over * way if abs(given) > rub else 0.0
         leant = total(heat)
     if settle:
-        _settle(a, start, time, p, band, w, slip)
+        _settle(a, start, time, p, band, grip, w, slip)
     if leaning:
         leant += _lean(time, pull * time, p, slip, lo, hi)
     for i in range(rows):
@@ -242,11 +251,9 @@ def carry(
         w[i] += (p[i] * per_time + pull) * part
     if leaning:
         for i in range(rows):
-            least, most = -band[i], hi[i]
-            hi[i] = -least if u[i] > NEAR * play[i] else most
-        for i in range(rows):
-            least, most = lo[i], band[i]
-            lo[i] = -most if play[i] - u[i] > NEAR * play[i] else least
+            least, most, rub, place, room = lo[i], hi[i], band[i], u[i], play[i]
+            hi[i] = rub if place > NEAR * room else most
+            lo[i] = -rub if room - place > NEAR * room else least
     return on.row_mass * rubbed * per_time, on.row_mass * leant * per_time
 
 
@@ -265,16 +272,23 @@ def _lean(time: float, fall: float, p: Array, slip: Array, lo: Array, hi: Array)
 
 
 @njit(cache=True, nogil=True)
-def _settle(a: float, start: float, time: float, p: Array, band: Array, w: Array, slip: Array) -> None:
+def _settle(a: float, start: float, time: float, p: Array, band: Array, grip: Array, w: Array, slip: Array) -> None:
     """Ways of rows that come to rest in the box within a step: slip z ends at t = |z|/(band - a sign z), way z t/2.
 
-    With the slip spread over the whole step they would creep by an amount of first order in the step.
+    With the slip spread over the whole step they would creep by an amount of first order in the step. `grip` is 1/band,
+    x = a sign z/band; 1/(1 - x) is taken as (1 + x)(1 + x^2)(1 + x^4) for x > 0, as 1 + .9 x + .4 x^2 (3 %) below: a
+    division costs more than all the rest, and a row with x near 1 does not come to rest within a step.
     """
     for i in range(w.shape[0]):
         z, limit, way = start - w[i], band[i], slip[i]
-        rate = limit - a if z > 0.0 else limit + a
-        rests = (abs(p[i]) < limit * time) & (abs(z) < rate * time) & (way != 0.0)
-        slip[i] = 0.5 * z * abs(z) / (rate if rests else 1.0) if rests else way
+        s = a if z > 0.0 else -a
+        x = s * grip[i]
+        rests = (abs(p[i]) < limit * time) & (abs(z) < (limit - s) * time) & (way != 0.0) & (abs(x) < 1.0)
+        square = x * x
+        sooner = 1.0 + 0.9 * x + 0.4 * square
+        inverse = (1.0 + x) * (1.0 + square) * (1.0 + square * square) if x > 0.0 else sooner
+        short = 0.5 * z * abs(z) * grip[i] * inverse
+        slip[i] = short if rests else way
 
 
 @njit(cache=True, nogil=True)
@@ -284,9 +298,9 @@ def collide(
 ) -> tuple[float, float]:  # fmt: skip
     """Impacts at an edge: box velocity behind them, and the energy that they take, J.
 
-    Of the rows in `who`, those that meet their wall within an interval before or after exchange momentum with the box.
-    Then they are put where they would be had they met the wall at their own time. A rebound slower than `threshold`
-    (m/s) is none: the row leans on the wall.
+    Of the rows in `who`, those that meet their wall within `WINDOW` intervals before or after exchange momentum with
+    the box. Then they are put where they would be had they met the wall at their own time. A rebound slower than
+    `threshold` (m/s) is none: the row leans on the wall.
     """
     m = on.row_mass
     share, reduced = m / (m + on.box), m * on.box / (m + on.box)
@@ -297,7 +311,7 @@ def collide(
         s = 1.0 if low else -1.0
         closing = s * (V - w[i])
         gap = u[i] if low else play[i] - u[i]
-        if closing <= 0.0 or gap > interval * closing:
+        if closing <= 0.0 or gap > WINDOW * interval * closing:
             continue
         back = on.restitution * closing
         if back <= threshold:

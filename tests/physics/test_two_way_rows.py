@@ -13,8 +13,12 @@ from rig.beds.two_way import TWO_WAY, TwoWay
 from rig.catalog.entries import Rig
 from rig.coupled import STEPS, CoupledStand
 from rig.drive.command import Command
+from rig.drive.electrodynamic import response
+from rig.drive.waveform import Waveform
 from rig.kernels.two_way import Pull, collide
-from rig.scene import Drive, Scene
+from rig.ledger import COUPLED_COLUMNS
+from rig.scene import Axis, Drive, Scene, Slug
+from rig.stand import Stand, box_mass
 
 masses = st.floats(1e-3, 1e3)
 
@@ -111,3 +115,32 @@ def test_one_row_slides_as_an_integrator_with_events_has_it(
         errors.append(abs(heat / exact - 1.0))
     assert errors[0] < 2e-3
     assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("axis", ["vertical", "zero_gravity", "horizontal"])
+def test_a_slug_in_a_heavy_box_takes_what_it_takes_in_a_programmed_one(
+    rig: Rig, steel: Scene, axis: Axis, restitution: float
+) -> None:
+    """Flights under gravity, a lid, a rough floor: W of each of the first cycles is the servo's to 2e-3;
+    a box of 1e5 times the slug gives way by less; both accounts close, height included."""
+    slug = Slug(restitution=restitution, gap=0.004, friction=0.1 if axis == "horizontal" else 0.0)
+    scene = replace(steel, bed="slug", axis=axis, losses=(), slug=slug)
+    filling, a, cycles = nominal(scene, rig), 20.0, 4
+    servo = Stand(scene, rig, Waveform(20.0, a), filling, 4096 * 20.0)
+    servo.read(4096 * cycles)
+    exact = servo.drain_ledger()[:cycles, :2].sum(axis=1)
+    strong = replace(
+        rig.exciter, current_peak=1e12, voltage_peak=1e12, stinger_stiffness=1e9, stinger_damping=1e3,
+        body_mass=1e8, isolation_stiffness=1e11,
+    )  # fmt: skip
+    heavy = replace(rig, exciter=strong, wall_density=rig.wall_density * 4e6 / box_mass(scene.cavity, rig.wall_density))
+    tested = CoupledStand(scene, heavy, Drive(mode="coupled", amplifier="current"), filling, 4096 * 20.0, refine=2)
+    command = Command((complex(1j * a / response(tested.plant, "current", 20.0).acceleration[0]),), 20.0, cycles)
+    tested.begin(command)
+    tested.advance(command)
+    ledger = tested.drain_ledger()
+    assert exact.max() > 0.0
+    assert ledger[:, :2].sum(axis=1) == pytest.approx(exact, abs=2e-3 * exact.max())
+    closures = ledger[:, [COUPLED_COLUMNS.index(name) for name in ("closure", "closure_exciter")]]
+    assert np.abs(closures).max() < 1e-6
