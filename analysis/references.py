@@ -52,7 +52,8 @@ def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
     empty = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
     for result in results:
         setting = result.setting
-        if setting.is_empty or setting.is_bonded:
+        known = setting.box_mass + setting.gauge_mass + setting.bed_mass > 0
+        if known and (setting.is_empty or setting.is_bonded):
             rigid["empty box" if setting.is_empty else "bonded bed", setting.bed_mass, setting.frequency].append(result)
         elif setting.bed == "dashpot" and setting.dashpot_c is not None:
             damped[setting.dashpot_c, setting.frequency].append(result)

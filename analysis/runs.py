@@ -197,7 +197,7 @@ class Setting:
     @property
     def is_empty(self) -> bool:
         """Nothing in the box: no grains, and no dashpot either."""
-        return self.bed == "empty" or (self.bed != "dashpot" and self.bed_mass == 0)
+        return self.bed == "empty" or (self.bed not in ("dashpot", "unknown") and self.bed_mass == 0)
 
     @property
     def is_bonded(self) -> bool:

@@ -194,6 +194,48 @@ def info(
     session_info(session, json)
 
 
+@app.command("export")
+def export_(
+    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
+    to: Annotated[str, typer.Option(metavar="FORMAT", help="uff58, csv, sep005-npz or mat.")],
+    run: Annotated[str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="PATH", help="Folder; with --run the file.")] = None,
+    json: Json = False,
+) -> None:
+    """Write records for other tools: UFF58 (types 1 and 4), CSV with JSON, SEP-005, MATLAB.
+
+    Example: rig export sessions/fill_rate --to uff58 --run 3
+    """
+    from rig.cli.watch import go_on_watched
+
+    go_on_watched(session)
+    from rig.cli.exchange import export_session
+
+    export_session(session, to, run, out, json)
+
+
+@app.command("import")
+def import_(
+    file: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records, one run each, or their folder.")],
+    map_: Annotated[Path, typer.Option("--map", metavar="MAP.yaml", help="What the columns mean.")],
+    out: Annotated[Path, typer.Option(metavar="SESSION", help="Session file (.h5), or a folder for it.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    json: Json = False,
+) -> None:
+    """Turn a laboratory's own records of force and acceleration into a session and its report.
+
+    Reads CSV, UFF58, SEP-005, TDMS, MATLAB and HDF5. Walk through: docs/your-own-data.md
+
+    Example: rig import record.csv --map map.yaml --out sessions/mine
+    """
+    from rig.cli.watch import go_on_watched
+
+    go_on_watched(*file)
+    from rig.cli.exchange import import_session
+
+    raise typer.Exit(import_session(file, map_, out, force, json))
+
+
 @app.command()
 def calibrate(
     protocol: ProtocolFile,

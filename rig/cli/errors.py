@@ -31,12 +31,13 @@ class Commands(TyperGroup):
 def _known(error: Exception) -> int | None:
     from analysis import AnalysisError
     from daq.clock import Overrun
+    from daq.formats.wave import FormatError
     from daq.session import SessionError
     from rig.campaign.workers import WorkerLost
 
     if isinstance(error, Overrun | WorkerLost):
         return INTERRUPTED
-    return BAD_INPUT if isinstance(error, SessionError | AnalysisError | OSError) else None
+    return BAD_INPUT if isinstance(error, SessionError | AnalysisError | FormatError | OSError) else None
 
 
 def _fail(message: str, code: int) -> int:

@@ -80,7 +80,8 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
             f"\nSum of W_exp over sum of W_T: {agreement['ratio']:.3f} +- {agreement['U_ratio']:.3f} "
             f"(mean offset {percent(agreement['mean_offset'])} over {agreement['n']} conditions)"
         )
-    console.print(f"tests: {report['tests']}; waveform: {report['waveform']} (ideal waveform assumed in servo drive)")
+    ideal = " (ideal waveform assumed in servo drive)" if report["waveform"] == "ideal" else ""
+    console.print(f"tests: {report['tests']}; waveform: {report['waveform']}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print(f"\n{sentence}", soft_wrap=True)
     for flag in report["flags"]:

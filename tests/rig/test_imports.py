@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 ALLOWED = {
-    "daq": ("daq", "numpy", "scipy", "h5py", "numba"),
+    "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
     "analysis": ("analysis", "daq.session", "daq.block", "daq.channel", "daq.shapes", "numpy", "scipy", "matplotlib"),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
@@ -25,6 +25,7 @@ ALLOWED = {
 HOMES = {
     "analysis": ("analysis", "rig.campaign", "rig.cli"),
     "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli"),
+    "daq.formats": ("daq.formats", "rig.campaign", "rig.cli"),
     "daq.frontend": ("daq", "rig.campaign"),
     "daq.acquisition": ("daq", "rig.campaign"),
     "daq.transducer": ("daq", "rig.campaign"),
@@ -33,7 +34,9 @@ HOMES = {
     "yaml": ("rig.catalog",),
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
-    "h5py": ("daq.session",),
+    "h5py": ("daq.session", "daq.formats"),
+    "pyuff": ("daq.formats",),
+    "nptdms": ("daq.formats",),
     "matplotlib": ("analysis.figures", "analysis.study_figures"),
     "numba": ("daq", "rig.kernels"),
 }

@@ -1,0 +1,203 @@
+"""A laboratory's own records become a session: gate, frequency, whole cycles; the same W_exp, U and report after it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.runs import AnalysisError
+from analysis.stationary import noise_rms
+from daq.block import Block, Flag
+from daq.channel import ChannelInfo
+from daq.session import Recorder, RunPlan, SessionPlan
+from rig.campaign.records import Reading, read_record
+from rig.catalog import load_rig
+from rig.errors import InputError, Mistake
+from rig.mapping import (
+    ASSUMED_U,
+    AccelerationColumn,
+    ForceColumn,
+    Known,
+    LoadedMap,
+    RecordMap,
+    RunFile,
+)
+from rig.plan import condition_facts, prediction_document, predictions
+from rig.provenance import now, provenance
+from rig.scene import Drive, Protocol
+
+Array = NDArray[np.float64]
+
+BLOCK = 16384  # samples
+FULL_SCALE = 2**30  # codes of the largest value: 9e-10 of it is the resolution of what was imported
+SAME_RATE = 1e-6  # relative, between the channels of a record and between records
+SAME_PHASE = 0.02  # cycles by which the runs of one condition may drift apart over a record
+STUCK = 3  # equal extreme samples in a row: a clipped record
+
+
+def import_records(files: Sequence[Path], loaded: LoadedMap, path: Path, overwrite: bool = False) -> None:
+    """Write the session `path` from records as a mapping says. files: one run each, all of the mapping's condition, or
+    the folder of the files under its `runs`.
+
+    Raises InputError for what does not fit, AnalysisError where a record is not steady, FormatError where a file
+    cannot be read, SessionError where the session cannot be written. Nothing is written unless every record is good.
+    """
+    wanted = _wanted(files, loaded)
+    readings = [read_record(file, run, loaded.mapping) for file, run in wanted]
+    rates = {reading.rate for reading in readings}
+    if max(rates) > min(rates) * (1 + SAME_RATE):
+        raise InputError(
+            Mistake(
+                str(loaded.path), "rate", f"records at {min(rates):g} and {max(rates):g} Hz", "one rate in a session"
+            )
+        )
+    groups: dict[str, list[Reading]] = {}
+    for reading in readings:
+        groups.setdefault(reading.known.id, []).append(reading)
+    plan = _plan(loaded, groups)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with Recorder.create(path, plan, overwrite) as recorder:
+        ordered = [reading for group in groups.values() for reading in group]
+        for run, reading in zip(plan.runs, ordered, strict=True):
+            _record(recorder, run.name, reading, loaded.mapping, plan.channels)
+
+
+def _wanted(files: Sequence[Path], loaded: LoadedMap) -> list[tuple[Path, RunFile]]:
+    mapping = loaded.mapping
+    if not mapping.runs:
+        return [(file, RunFile(file.name, mapping.condition)) for file in files]
+    if len(files) != 1 or not files[0].is_dir():
+        raise InputError(Mistake("FILE", "", "files beside a mapping with runs", "the folder that holds its files"))
+    return [(files[0] / run.file, run) for run in mapping.runs]
+
+
+def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
+    mapping = loaded.mapping
+    facts, predicted = [], {}
+    for name, group in groups.items():
+        known, frequency = group[0].known, math.fsum(r.frequency for r in group) / len(group)
+        drift = max(abs(r.frequency - frequency) * r.cycles / frequency for r in group)
+        if drift > SAME_PHASE:
+            raise AnalysisError(
+                f"condition {name}: its records drift apart by {drift:.2g} cycles; they need ids of their own"
+            )
+        own, found = _condition(mapping, known, group, frequency)
+        facts.append(own)
+        predicted.update(found)
+    readings = [reading for group in groups.values() for reading in group]
+    created = now()
+    return SessionPlan(
+        rate=readings[0].rate,
+        channels=tuple(_channel(name, column, readings) for name, column in _columns(mapping)),
+        runs=tuple(_runs(groups, created)),
+        conditions=tuple(facts),
+        protocol_text=loaded.text,
+        protocol={"name": mapping.name, "question": mapping.question},
+        documents={
+            **({"prediction": {"conditions": predicted}} if mapping.scene is not None else {}),
+            "rig": {"name": "laboratory", "values": _assumed(mapping)},
+            "provenance": provenance(loaded.text, 0, math.fsum(r.force.size / r.rate for r in readings)),
+            "import": [
+                {"file": r.source.name, "sha256": r.digest, "frequency": r.frequency, **asdict(r.steady)}
+                for r in readings
+            ],
+        },
+        synthetic=False,
+    )  # fmt: skip
+
+
+def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
+    plans: list[RunPlan] = []
+    for name, group in groups.items():
+        for repeat, reading in enumerate(group, start=1):
+            size = reading.force.size
+            plans.append(RunPlan(
+                name=f"run_{len(plans) + 1:04d}", condition=name, repeat=repeat, order=len(plans) + 1, samples=size,
+                settle_samples=reading.start, blocks=-(-size // BLOCK), t0=created, title=reading.source.name,
+            ))  # fmt: skip
+    return plans
+
+
+def _condition(
+    mapping: RecordMap, known: Known, group: Sequence[Reading], frequency: float
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The condition's facts, and with a scene its prediction."""
+    level = known.acceleration or max(float(np.sqrt(2 * np.mean(r.acceleration[r.start :] ** 2))) for r in group)
+    settle = group[0].start * frequency / group[0].rate
+    times = {"settle_cycles": settle, "record_cycles": min(r.cycles for r in group), "frequency": frequency}
+    if mapping.scene is None:
+        facts = {name: value for name, value in asdict(known).items() if name != "acceleration"}
+        return {**facts, "drive": "measured", "carried": False, "acceleration_set": level, **times}, {}
+    rig = load_rig(mapping.rig)
+    protocol = Protocol(name=mapping.name, scene=mapping.scene, drive=Drive(frequency=frequency, acceleration=level))
+    condition = replace(protocol.conditions()[0], id=known.id)
+    found = predictions([condition], rig, 1)
+    facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
+    return {**facts, **times, "drive": "measured", "losses": []}, prediction_document(found)["conditions"]
+
+
+def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationColumn], ...]:
+    return (("force", mapping.force), ("acceleration", mapping.acceleration))
+
+
+def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]) -> ChannelInfo:
+    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record is lost."""
+    largest = max(float(np.abs(getattr(reading, name)).max()) for reading in readings) or 1.0
+    noise = column.noise
+    if noise is None:
+        noise = max(noise_rms(getattr(r, name)[r.start :], r.rate / r.frequency) for r in readings)
+    sensitivity = column.sensitivity or 1.0
+    return ChannelInfo(
+        name=name, quantity=name, unit="N" if name == "force" else "m/s^2", model=column.model, serial=column.serial,
+        direction=column.direction, coupling="not stated", range_V=(column.range or largest) * sensitivity,
+        scale=largest * sensitivity / FULL_SCALE, offset=0.0, sensitivity=sensitivity,
+        time_constant=None if isinstance(column.time_constant, str) else column.time_constant,
+        time_constant_spread=column.time_constant_spread, filter_delay=0.0, skew=-column.delay,
+        calibration_date=column.calibration_date,
+        calibration_U=ASSUMED_U if column.calibration_U is None else column.calibration_U,
+        gain_tolerance=column.gain_tolerance, clock_ppm=0.0, noise_rms=noise, skew_tolerance=column.delay_tolerance,
+    )  # fmt: skip
+
+
+def _assumed(mapping: RecordMap) -> list[dict[str, Any]]:
+    """What the mapping does not say and the uncertainty needs."""
+    return [
+        {"path": f"{name}.calibration_U", "value": ASSUMED_U, "unit": "", "status": "assumed",
+         "source": "a usual certificate's, k = 2: the mapping states none"}
+        for name, column in _columns(mapping) if column.calibration_U is None
+    ]  # fmt: skip
+
+
+def _record(
+    recorder: Recorder, run: str, reading: Reading, mapping: RecordMap, channels: Sequence[ChannelInfo]
+) -> None:
+    values = [reading.force, reading.acceleration]
+    codes = np.stack([
+        np.rint(v * (channel.sensitivity / channel.scale)).astype(np.int32)
+        for v, channel in zip(values, channels, strict=True)
+    ])  # fmt: skip
+    clipped = np.stack([_clipped(v, column.range) for v, (_, column) in zip(values, _columns(mapping), strict=True)])
+    for start in range(0, codes.shape[1], BLOCK):
+        part = slice(start, start + BLOCK)
+        high, low = (clipped[:, part] & (codes[:, part] * sign > 0) for sign in (1, -1))
+        flags = (Flag.OVERLOAD_HI * high.any(axis=1) + Flag.OVERLOAD_LO * low.any(axis=1)).astype(np.uint16)
+        count = clipped[:, part].sum(axis=1).astype(np.uint32)
+        recorder.append(run, Block(start, codes[:, part], np.asarray(flags), count, False))
+    recorder.finish(run, {})
+
+
+def _clipped(values: Array, limit: float | None) -> NDArray[np.bool_]:
+    """Samples at the range, or where it is not known, at the record's own extreme several times in a row."""
+    if limit is not None:
+        return np.asarray(np.abs(values) >= limit)
+    found = np.zeros(values.size, dtype=bool)
+    for extreme in (values.max(), values.min()):
+        at = values == extreme
+        runs = np.convolve(at, np.ones(STUCK, dtype=np.int64), "valid") == STUCK
+        for offset in range(STUCK):
+            found[offset : offset + runs.size] |= runs
+    return found
