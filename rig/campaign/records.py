@@ -1,4 +1,4 @@
-"""A record of another laboratory: read as its mapping says, gated, its frequency and its whole cycles found. SI units."""
+"""A record of another laboratory: read as its mapping says, gated, its frequency and whole cycles found. SI units."""
 
 import hashlib
 import math
