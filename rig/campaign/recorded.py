@@ -16,16 +16,16 @@ from rig.scene import Condition
 SETTLE = 10
 """Cycles that the rows go through before their energies count."""
 
-RAMPS = (0, 10)
-"""Cycles before those in which the motion grows: rows that have several orbits at one level land on others when they
-start at once or gradually."""
+RAMP = {"servo": 0, "coupled": 10}
+"""Cycles before those in which the motion grows, by drive: rows that have several orbits at one level land on others
+when the motion starts at once, as a servo's does, or gradually, as level control brings it up."""
 
 STILL = ("empty", "locked", "dashpot")
 """Beds that dissipate nothing by the model."""
 
 NAMES = ("W_T_recorded", "W_f_recorded", "u_W_T_recorded")
-"""Scalars of a run, J per cycle: means over the two histories of `RAMPS`, and what they leave open as a standard
-uncertainty, their difference being the width of a rectangular distribution."""
+"""Scalars of a run, J per cycle: with the start of the run's own drive (`RAMP`), and what the bed's history leaves open
+as a standard uncertainty, the difference to the other start being the width of a rectangular distribution."""
 
 
 class Listener:
@@ -63,11 +63,12 @@ class Listener:
             acceleration = without_pole(acceleration, pole, step)
         bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
         band, points = np.repeat(bed.threshold, bed.play.shape[1]), window.grid.points
+        own = RAMP[self._condition.drive.mode]
         found = bed.row_mass / window.cycles * np.array([
             sampled_energy(band, bed.play.ravel(), bed.restitution, acceleration - acceleration.mean(), step,
                            SETTLE * points, ramp * points)
-            for ramp in RAMPS
+            for ramp in sorted(RAMP.values(), key=lambda ramp: ramp != own)
         ])  # fmt: skip
         total = found.sum(axis=1)
-        numbers = (total.mean(), found[:, 0].mean(), abs(total[1] - total[0]) / np.sqrt(12.0))
+        numbers = (total[0], found[0, 0], abs(total[1] - total[0]) / np.sqrt(12.0))
         return dict(zip(NAMES, map(float, numbers), strict=True))
