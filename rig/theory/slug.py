@@ -44,7 +44,8 @@ class Slug:
         omega = 2.0 * math.pi * frequency
         u = self.velocity * omega / acceleration
         towards = int(math.copysign(1.0, u)) if self.friction > 0.0 else 1
-        return State(0 if u == 0.0 else towards, self.start * omega**2 / acceleration, u)
+        length = acceleration / omega**2  # as in `world`: a start at a wall is at the wall to the last bit
+        return State(0 if u == 0.0 else towards, self.start / length, u)
 
 
 @dataclass(frozen=True)
