@@ -42,7 +42,7 @@ def _sensible(scene: Scene) -> Scene:
     """The scene without what does not go with its axis."""
     slug = scene.slug
     if isinstance(slug.gap, float):
-        slug = replace(slug, start=min(slug.start, slug.gap), velocity=slug.velocity if slug.gap else 0.0)
+        slug = replace(slug, start=min(slug.start, slug.gap))
     if scene.axis == "horizontal":
         return replace(scene, slug=slug)
     support = "cords" if scene.support == "guide" else scene.support
