@@ -59,3 +59,13 @@ def slug(level: float, steps: int, cycles: int) -> float:
                 lost += 0.5 * z * z
             u, z = 0.0, 0.0
     return lost
+
+
+def oscillator(turn: float, steps: int) -> float:
+    """Largest energy over the first of an undamped oscillator in semi-implicit steps of `turn` rad."""
+    x, v, most = 0.0, 1.0, 1.0
+    for _ in range(steps):
+        v -= turn * x
+        x += turn * v
+        most = max(most, x * x + v * v)
+    return most

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from benchmarks.hard import beds, chains, ledgers, orbits, pairs, rows, slugs
+from benchmarks.hard import beds, chains, coupled, ledgers, orbits, pairs, rows, slugs
 from benchmarks.hard.case import Case, Outcome
 
 GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
@@ -10,6 +10,7 @@ GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
     ("Files of grains", chains.CASES),
     ("Rows of bed `layers`", (*rows.CASES, *orbits.CASES)),
     ("Bed `slug`", slugs.CASES),
+    ("Coupled drive", coupled.CASES),
     ("Scenes at the edge", beds.CASES),
     ("Long runs", ledgers.CASES),
 )
