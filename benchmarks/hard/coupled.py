@@ -155,7 +155,7 @@ def long_run() -> Outcome:
     return Outcome(
         measured=(
             at_most("drift of the sum at the gauge over the electric work", abs(left.sum()) / electric.sum(), 1e-6),
-            exactly("cycles with a value that is not finite", np.count_nonzero(~np.isfinite(ledger).all(axis=1)), 0.0),
+            exactly("cycles with a value that is not finite", int((~np.isfinite(ledger).all(axis=1)).sum()), 0.0),
             at_most("closure of any cycle behind the first", np.abs(column(ledger, "closure")[1:]).max(), 1e-6),
         )
     )
