@@ -28,6 +28,14 @@ def tested(report: Report) -> str:
 def waveform(report: Report) -> str:
     """Where the signals come from, and which waveform was assumed."""
     origin = "All signals are synthetic." if report["synthetic"] else "The signals were measured."
+    shaken = [row["thd_acceleration"] for row in report["conditions"] if row["drive"] == "coupled"]
+    told = [value for value in shaken if value is not None]
+    if told:
+        low, high = (significant(100 * edge(told), 2) for edge in (min, max))
+        return (
+            f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {low} % to {high} % "
+            "(harmonics over fundamental). W_T is given on a sine of the same fundamental and on the recorded waveform."
+        )
     if report["waveform"] != "ideal":
         return origin
     found = [row["thd_box"] for row in report["conditions"] if row["thd_box"] is not None]
