@@ -10,6 +10,7 @@ from rig.beds.stack import Filling, Stack, bed_mass, layer_count, nominal, stack
 from rig.catalog.entries import Rig
 from rig.scene import Condition, Scene
 from rig.stand import box_mass
+from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
 from rig.theory.slug import SlugTotal, slug_total
 from rig.theory.total import AVERAGED_CYCLES, TooManyEvents, Total, closed_tier, paper_collision, plastic_bound
@@ -103,7 +104,7 @@ def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
         janssen_length(cavity.length, cavity.width, rig.wall_friction, rig.janssen_ratio),
     )
     layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
-    count = int(cavity.length // grains.diameter)
+    count = grains_in_row(cavity.length, grains.diameter)
     return friction + paper_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rig.catalog.entries import Rig
 from rig.errors import InputError, Mistake
 from rig.scene import Scene
-from rig.theory.chain import COLLAPSE, LONGEST_ROW, TooManyHits, row_restitution
+from rig.theory.chain import COLLAPSE, LONGEST_ROW, TooManyHits, grains_in_row, row_restitution
 from rig.theory.friction import janssen_length, layer_capacity, side_wall_capacity, slip_distance
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
         play=(filling.play * slip_distance(grains.diameter) * spread)[:mobile],
         row_mass=layer_mass / settings.rows,
         carried_mass=layer_mass * (layers - mobile),
-        restitution=_row_restitution(int(cavity.length // grains.diameter), rig),
+        restitution=_row_restitution(grains_in_row(cavity.length, grains.diameter), rig),
     )
 
 

@@ -12,6 +12,7 @@ from rig.catalog.entries import Rig
 from rig.fidelity.pilot import Pilot, rows_pilot
 from rig.kernels.rows import HISTORY
 from rig.scene import Drive, Scene
+from rig.theory.chain import grains_in_row
 
 Array = NDArray[np.float64]
 
@@ -64,8 +65,8 @@ class RowsChoice:
 
 
 def resolved_rows(scene: Scene) -> int:
-    """Rows of grains side by side across the drive axis, floor(L2/d); a quotient that is whole but for rounding is."""
-    return max(int(scene.cavity.width / scene.grains.diameter * (1.0 + 1e-9)), 1)
+    """Rows of grains side by side across the drive axis, floor(L2/d), at least one."""
+    return max(grains_in_row(scene.cavity.width, scene.grains.diameter), 1)
 
 
 def with_rows(scene: Scene, rows: int) -> Scene:

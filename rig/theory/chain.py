@@ -130,6 +130,11 @@ def chain_collision(
     return Collided(v, float(inside), float(at_wall), int(hits), int(elastic))
 
 
+def grains_in_row(length: float, diameter: float) -> int:
+    """Grains of a diameter side by side in a length, floor(L1/d), where rounding does not make a whole quotient less."""
+    return int(length / diameter * (1.0 + 1e-9))
+
+
 @lru_cache(maxsize=256)
 def row_restitution(grains: int, restitution: float, restitution_wall: float) -> float:
     """Rebound of the centre of mass of a row of equal grains thrown together onto a wall, in [0, 1].

@@ -11,6 +11,7 @@ from rig.theory.chain import (
     chain_velocities,
     first_grain_velocity,
     first_wave_loss,
+    grains_in_row,
     row_restitution,
     striker_velocity,
     struck_velocity,
@@ -46,6 +47,12 @@ def test_first_wave_never_loses_more_than_it_has(n: int, e: float, ratio: float)
 def test_wall_laws() -> None:
     assert first_grain_velocity(0.2, 0.65) == pytest.approx(0.33)
     assert wall_loss(2.0, 0.5, 3.0) == pytest.approx(0.5 * 2.0 * 0.75 * 9.0)
+
+
+def test_grains_that_fit_exactly_are_all_counted() -> None:
+    """0.15 m of 1..7 mm grains: floats would lose one at 1, 2, 3, 5 and 6 mm."""
+    found = [grains_in_row(0.15, millimetres * 1e-3) for millimetres in range(1, 8)]
+    assert found == [150, 75, 50, 37, 30, 25, 21]
 
 
 def test_row_restitution_against_the_design_table() -> None:
