@@ -131,7 +131,7 @@ def chain_collision(
 
 
 def grains_in_row(length: float, diameter: float) -> int:
-    """Grains of a diameter side by side in a length, floor(L1/d), where rounding does not make a whole quotient less."""
+    """Grains side by side in a length, floor(L1/d), where rounding does not make a whole quotient less."""
     return int(length / diameter * (1.0 + 1e-9))
 
 
