@@ -16,13 +16,26 @@ import numpy.typing as npt
 
 from daq.block import Block, Flag
 from daq.hdf5_flags import clear_consistency_flags
+from daq.reserve import reserve
 from daq.session_hdf5 import dataset, open_file, write_rows
 from daq.session_layout import build_session
-from daq.session_plan import RunInfo, RunPlan, SessionError, SessionPlan, Signal, block_dtype, status_dtype
+from daq.session_plan import (
+    RunInfo,
+    RunPlan,
+    SessionError,
+    SessionPlan,
+    Signal,
+    WriteError,
+    block_dtype,
+    status_dtype,
+)
 from daq.session_record import Record, Truth, open_session
 from daq.writer_lock import AlreadyLocked, WriterLock
 
-__all__ = ["Record", "Recorder", "RunInfo", "RunPlan", "SessionError", "SessionPlan", "Signal", "Truth", "open_session"]
+__all__ = [
+    "Record", "Recorder", "RunInfo", "RunPlan", "SessionError", "SessionPlan", "Signal", "Truth", "WriteError",
+    "open_session",
+]  # fmt: skip
 
 
 class Recorder:
@@ -30,6 +43,7 @@ class Recorder:
 
     def __init__(self, file: Any, path: Path, lock: WriterLock) -> None:
         self._file = file
+        self._path = path
         self._lock = lock
         self._record = Record(file, path)
         self._infos = {info.name: info for info in self._record.runs}
@@ -38,13 +52,14 @@ class Recorder:
         self._scalar_names: tuple[str, ...] = tuple(self._record.document("scalars"))
         self._rows = self._record.status_rows
         self._open: dict[str, Any] = {}
+        self._failed = False
 
     @classmethod
     def create(cls, path: Path | str, plan: SessionPlan, overwrite: bool = False) -> "Recorder":
         """Create a session file with room for the whole plan.
 
         Raises SessionError where the path exists (unless `overwrite`: then the old file stays until the new one is
-        complete), cannot be written, is being written, or the plan cannot be stored.
+        complete), is being written, or the plan cannot be stored; WriteError where the disk or folder refuses.
         """
         final = Path(path)
         if final.exists() and not overwrite:
@@ -52,17 +67,23 @@ class Recorder:
         lock = _locked(final)
         part = final.with_name(final.name + ".part")
         try:
+            reserve(part, sum(4 * run.samples * len(plan.channels) for run in plan.runs))
             file = open_file(part, "w")
             try:
                 build_session(file, plan)
                 file.swmr_mode = True
                 file.flush()
+                reserve(part)
                 os.replace(part, final)
                 return cls(file, final, lock)
             except BaseException:
                 file.close()
                 raise
-        except (OSError, RuntimeError, ValueError) as error:
+        except (OSError, RuntimeError) as error:
+            part.unlink(missing_ok=True)
+            lock.release()
+            raise WriteError(f"cannot create the session {final}: {error}") from error
+        except ValueError as error:
             part.unlink(missing_ok=True)
             lock.release()
             raise SessionError(f"cannot create the session {final}: {error}") from error
@@ -99,7 +120,11 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        try:
+            self.close()
+        except WriteError:
+            if kind is None:
+                raise
 
     def append(self, run: str, block: Block) -> None:
         """Add the next block of a run. Raises SessionError for a gap, a full run, a finished run or a wrong shape."""
@@ -131,7 +156,7 @@ class Recorder:
         self._write(f"{run}/truth/ledger", first_cycle, np.ascontiguousarray(rows, dtype="<f8"))
 
     def finish(self, run: str, scalars: Mapping[str, float], flags: int = 0) -> None:
-        """Mark a run complete, with its scalars and further sticky flags."""
+        """Mark a run complete, with its scalars and further sticky flags. WriteError where the file has gone."""
         row, info = self._row(run), self._infos[run]
         if int(row["samples"]) != info.planned:
             raise SessionError(f"{run} has {int(row['samples'])} of {info.planned} samples: it is not complete")
@@ -139,6 +164,7 @@ class Recorder:
             raise SessionError(f"{run}: scalars {sorted(scalars)}, expected {sorted(self._scalar_names)}")
         if self._scalar_names:
             self._write(f"{run}/scalars", 0, np.array([scalars[name] for name in self._scalar_names], dtype="<f8"))
+        self._check_there(run)
         row["complete"] = 1
         row["flags"] |= np.uint16(flags)
         self._write_status(run)
@@ -153,10 +179,15 @@ class Recorder:
         return self._record
 
     def close(self) -> None:
-        """Close the file and let other writers at it; again is harmless."""
+        """Close the file and let other writers at it; again is harmless. WriteError where that fails."""
+        if self._failed:  # HDF5 would try to write again, and may crash over it
+            self._lock.release()
+            return
         self._open.clear()
         try:
             self._file.close()
+        except (OSError, RuntimeError) as error:
+            raise WriteError(f"cannot finish writing {self._path}: {error}") from error
         finally:
             self._lock.release()
 
@@ -188,7 +219,21 @@ class Recorder:
         try:
             write_rows(self._dataset(path), first, rows)
         except (OSError, RuntimeError) as error:
-            raise SessionError(f"cannot write to the session: {error}") from error
+            self._failed = True
+            why = str(error).partition(" (file write failed")[0].partition(", buf")[0]
+            kept = "what was recorded before is kept, --resume goes on"
+            raise WriteError(f"cannot write to {self._path}: {why}; {kept}") from error
+
+    def _check_there(self, run: str) -> None:
+        """A removed or replaced file can be written for ever, and nobody would find it."""
+        try:
+            there = os.path.samestat(os.stat(self._path), os.fstat(self._file.id.get_vfd_handle()))
+        except OSError:
+            there = False
+        if not there:
+            raise WriteError(
+                f"{self._path} has gone while it was written (at {run}): was its folder removed or renamed?"
+            )
 
 
 def _locked(path: Path) -> WriterLock:

@@ -17,6 +17,7 @@ __all__ = [
     "SessionError",
     "SessionPlan",
     "Signal",
+    "WriteError",
     "block_dtype",
     "run_info",
     "status_dtype",
@@ -29,6 +30,10 @@ CHUNK = 16384  # samples; hardware.md, record format
 
 class SessionError(Exception):
     """A session file cannot be written or read as asked; the message is one clear sentence."""
+
+
+class WriteError(SessionError):
+    """The disk or the folder failed while a session was written; what had been flushed is kept."""
 
 
 @dataclass(frozen=True)

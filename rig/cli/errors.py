@@ -1,11 +1,15 @@
 """Errors a user can mend become one clear message and an exit code; any other is a defect with its traceback."""
 
+import errno
+import os
 import sys
 from typing import Any
 
 from typer.core import TyperGroup
 
 BAD_INPUT, INTERRUPTED = 2, 3
+FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.ESTALE}
+"""What a disk says that fails under a good command."""
 
 
 class Commands(TyperGroup):
@@ -25,19 +29,33 @@ class Commands(TyperGroup):
             code = _known(error)
             if code is None:
                 raise
-            sys.exit(_fail(str(error), code))
+            _fail(str(error), code)
+            if _is_write_error(error):
+                # HDF5 cannot put away a file that it could not write: it would print its own words, and crash.
+                sys.stdout.flush()
+                sys.stderr.flush()
+                os._exit(code)
+            sys.exit(code)
 
 
 def _known(error: Exception) -> int | None:
     from analysis import AnalysisError
     from daq.clock import Overrun
     from daq.formats.wave import FormatError
-    from daq.session import SessionError
+    from daq.session import SessionError, WriteError
     from rig.campaign.workers import WorkerLost
 
-    if isinstance(error, Overrun | WorkerLost):
+    if isinstance(error, Overrun | WorkerLost | WriteError):
+        return INTERRUPTED
+    if isinstance(error, OSError) and error.errno in FAULTS:
         return INTERRUPTED
     return BAD_INPUT if isinstance(error, SessionError | AnalysisError | FormatError | OSError) else None
+
+
+def _is_write_error(error: Exception) -> bool:
+    from daq.session import WriteError
+
+    return isinstance(error, WriteError)
 
 
 def _fail(message: str, code: int) -> int:
