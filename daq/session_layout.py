@@ -1,4 +1,4 @@
-"""The session file's layout: every group and dataset, created before the first sample (docs: session format)."""
+"""The session file's layout: every group and dataset, created before the first sample (docs/session-format.md)."""
 
 import dataclasses
 import json
