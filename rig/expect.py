@@ -16,7 +16,7 @@ whose outcome was put in.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rig.errors import nearest, quote
@@ -54,11 +54,12 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 """Kind -> its keys that hold values of the field; the last of them may hold a list where the kind wants one."""
 
 LISTS = ("optimum", "order")
+LISTED = ("scene.losses", "acquire.effects")
 MARGINS = {"nonlinear": 0.1, "nearly_zero": 0.02}
 LEVEL = "drive.acceleration"
 _MARGIN = Quantity("number", 0.0, 1.0, above=True)
 _OFFSET = Quantity("number", -1.0, 100.0)
-_ALWAYS = ("claim", "imposed")
+ALWAYS = ("claim", "imposed")
 
 
 def read_expect(node: Node, notes: Notes) -> tuple[Expect, ...]:
@@ -104,13 +105,13 @@ def _claim(node: Node, where: str, notes: Notes) -> Expect:
         raise notes.reject(node.where, where, describe(node), "a mapping for each claim")
     kinds = [key for key in node.value if key in KINDS]
     if len(kinds) != 1:
-        every = (*_ALWAYS, *KINDS, *dict.fromkeys(key for keys in KINDS.values() for key in keys))
+        every = (*ALWAYS, *KINDS, *dict.fromkeys(key for keys in KINDS.values() for key in keys))
         entries_of(node, where, every, notes)
         found = f"the kinds {' and '.join(kinds)}" if kinds else "a claim without a kind"
         raise notes.reject(node.where, where, found, f"one of {', '.join(KINDS)}")
     kind = kinds[0]
     before = len(notes.mistakes)
-    entries = entries_of(node, where, (*_ALWAYS, kind, *KINDS[kind]), notes)
+    entries = entries_of(node, where, (*ALWAYS, kind, *KINDS[kind]), notes)
     needed = ("claim", *(name for name in NAMES.get(kind, ())))
     for name in needed:
         if name not in entries:
@@ -128,7 +129,7 @@ def _parts(kind: str, entries: Mapping[str, Node], where: str, notes: Notes) -> 
     for key, node in entries.items():
         full = f"{where}.{key}"
         try:
-            if key in _ALWAYS:
+            if key in ALWAYS:
                 parts[key] = _words(node, full, notes)
             elif key == path_key:
                 parts["path"] = _path(node, full, notes, only=LEVEL if kind == "nonlinear" else "")
@@ -167,9 +168,7 @@ def _words(node: Node, path: str, notes: Notes) -> str:
 
 def _path(node: Node, path: str, notes: Notes, only: str = "") -> str:
     """A path of a single number or word; lists and groups cannot be compared."""
-    parts = {"scene": Scene, "drive": Drive, "acquire": Acquire}
-    every = (f"{part}.{name}" for part, kind in parts.items() for name in paths_of(kind))
-    known = [only] if only else [path for path in every if _single(path)]
+    known = [only] if only else list(single_paths())
     text = word_of(node, path, (), notes)
     if text not in known:
         allowed = only or "the path of a field under scene, drive, acquire, such as scene.grains.fill"
@@ -177,10 +176,12 @@ def _path(node: Node, path: str, notes: Notes, only: str = "") -> str:
     return text
 
 
-def _single(path: str) -> bool:
-    """Whether the field holds one number or word: no group of fields, no list."""
+def single_paths() -> Iterator[str]:
+    """Every path under scene, drive and acquire of one number or word: no group of fields, no list."""
     groups = {name.rpartition(".")[0] for name in paths_of(Protocol)}
-    return path not in groups and path != "scene.losses"
+    parts = {"scene": Scene, "drive": Drive, "acquire": Acquire}
+    every = (f"{part}.{name}" for part, kind in parts.items() for name in paths_of(kind))
+    return (path for path in every if path not in groups and path not in LISTED)
 
 
 def _values(path: str, node: Node, where: str, notes: Notes, *, listed: bool) -> tuple[Any, ...]:

@@ -35,7 +35,7 @@ from rig.tree import Node
 
 PARTS: Mapping[str, type] = {"scene": Scene, "drive": Drive, "acquire": Acquire}
 REQUIRED = {"schema": SCHEMA, "name": "a name for the experiment"}
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
         return word_of(node, key, (SCHEMA,), notes)
     if key == "name":
         name = word_of(node, key, (), notes)
-        if not _NAME.fullmatch(name):
+        if not NAME.fullmatch(name):
             allowed = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
             raise notes.reject(node.where, key, describe(node), allowed)
         return name

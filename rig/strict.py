@@ -126,7 +126,7 @@ def fill(kind: type[T], node: Node, path: str, notes: Notes) -> T:
 def value_of(annotation: Any, node: Node, path: str, notes: Notes) -> Any:
     """The value of a node as its annotation wants it; raises Unreadable after noting why not."""
     notes.places[path] = node.where
-    base, extras = _unpack(annotation)
+    base, extras = unpacked(annotation)
     if isinstance(base, type) and is_dataclass(base):
         return fill(base, _for_each(base, node), path, notes)
     if base is bool:
@@ -136,10 +136,10 @@ def value_of(annotation: Any, node: Node, path: str, notes: Notes) -> Any:
     if get_origin(base) is Literal:
         return word_of(node, path, get_args(base), notes)
     if base is str:
-        return word_of(node, path, _words(extras), notes)
+        return word_of(node, path, words_in(extras), notes)
     if get_origin(base) is tuple:
-        return _words_of(node, path, _words(extras), notes)
-    return _number_of(base, _quantity(extras), node, path, notes)
+        return _words_of(node, path, words_in(extras), notes)
+    return _number_of(base, quantity_in(extras), node, path, notes)
 
 
 def _for_each(kind: type, node: Node) -> Node:
@@ -217,20 +217,20 @@ def number(
 
 def plain(annotation: Any, value: Any) -> Any:
     """A value as plain data that `value_of` reads back to the same value; quantities carry their SI unit."""
-    base, extras = _unpack(annotation)
+    base, extras = unpacked(annotation)
     if isinstance(base, type) and is_dataclass(base):
         return {name: plain(part, getattr(value, name)) for name, part in grammar(base).items()}
     if isinstance(value, tuple):
         return list(value)
     if isinstance(value, bool | str) or value is None:
         return value
-    quantity = _quantity(extras)
+    quantity = quantity_in(extras)
     if isinstance(value, float):
         value += 0.0  # a minus zero is a zero
     return value if quantity.dimension == "number" else format_quantity(value, quantity.dimension)
 
 
-def _unpack(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
+def unpacked(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
     if get_origin(annotation) is Annotated:
         base, *extras = get_args(annotation)
         return base, tuple(extras)
@@ -239,12 +239,12 @@ def _unpack(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
 
 def quantity_of(annotation: Any) -> Quantity | None:
     """What the numbers of an annotation mean, None where it takes none."""
-    return next((extra for extra in _unpack(annotation)[1] if isinstance(extra, Quantity)), None)
+    return next((extra for extra in unpacked(annotation)[1] if isinstance(extra, Quantity)), None)
 
 
-def _quantity(extras: tuple[Any, ...]) -> Quantity:
+def quantity_in(extras: tuple[Any, ...]) -> Quantity:
     return next((extra for extra in extras if isinstance(extra, Quantity)), Quantity())
 
 
-def _words(extras: tuple[Any, ...]) -> tuple[str, ...]:
+def words_in(extras: tuple[Any, ...]) -> tuple[str, ...]:
     return next((extra.words for extra in extras if isinstance(extra, OneOf)), ())

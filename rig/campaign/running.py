@@ -14,23 +14,30 @@ from rig.campaign.recording import Watch, record_parts
 from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign
 from rig.campaign.workers import workers as started
+from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
+from rig.protocol import dump_protocol
+from rig.scene import Protocol
 
 
 def run(
-    campaign: Campaign,
-    out: Path,
+    campaign: Campaign | Protocol,
+    out: Path | str,
     workers: int = 2,
     speed: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
 ) -> dict[str, Any]:
-    """The main job: run a campaign into `out`/session.h5 and write its report there; returns the report.
+    """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
+    returns the report.
 
     `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
     The workers are at it while the predictions are made and the session file is built.
     """
+    if isinstance(campaign, Protocol):
+        campaign = Campaign.of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
+    out = Path(out)
     path = out / "session.h5"
     resume = resume and path.exists()
     finished = _finished(campaign, path) if resume else set()

@@ -283,6 +283,21 @@ def catalog(
     catalog_table(kind, json)
 
 
+@app.command()
+def schema(
+    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="protocol or report.")] = "protocol",
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Print the JSON Schema of protocols or of report.json, for editors and for readers of reports.
+
+    Example: rig schema protocol --out protocol.schema.json
+    """
+    from rig.cli.schema import schema_text
+
+    schema_text(kind, out, force)
+
+
 _DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
 
 

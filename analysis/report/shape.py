@@ -1,0 +1,125 @@
+"""The shape of report.json (schema rig/agreement/1), for readers that are not ours: docs/report.md has the meanings.
+
+SI units, energies in J per cycle. Null stands for what is not known. Further keys may be added under the same schema;
+those that are required here stay.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from analysis.comparison import SCHEMA
+from analysis.offset import TERMS
+from daq.shapes import Either, Keys, List, Number, Shape, Text, YesNo
+from daq.shapes_schema import json_schema
+
+__all__ = ["REPORT", "report_schema"]
+
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+VALUE, KNOWN = Number(), Number(null=True)
+SHARE, SIZE = Number(0.0, 1.0), Number(0.0, null=True)
+WORDS = List(Text())
+JUDGED = Text(("holds", "does not hold", "undecided", "imposed"))
+
+
+def _all(*parts: Mapping[str, Shape]) -> dict[str, Shape]:
+    return {name: shape for part in parts for name, shape in part.items()}
+
+
+def _each(names: str, shape: Shape) -> dict[str, Shape]:
+    return dict.fromkeys(names.split(), shape)
+
+
+RUN = Keys(
+    _all(
+        _each("run", Text()),
+        _each("flags", WORDS),
+        _each("order repeat", Number(0, whole=True)),
+        _each("acceleration cycles clip_ratio", Number(0.0)),
+        _each("W_exp W_exc W_kin W_phasor W_eq25", VALUE),
+        _each("W_coil W_T_recorded", KNOWN),
+    )
+)
+SOURCE = Keys({"source": Text(), "unit": Text(), "u": Number(0.0), "c": VALUE, "nu": SIZE, "share": Number(0.0)})
+CONDITION = Keys(
+    _all(
+        _each("id material bed drive", Text()),
+        _each("density diameter fill bed_mass frequency acceleration_set acceleration", SIZE),
+        {"runs": List(RUN, 1), "uncertainty": List(SOURCE)},
+        _each("U_W_exp k", Number(0.0)),
+        _each("W_exp", VALUE),
+        _each("nu s_W_exp U_W_T U_offset U_W_coil U_W_T_recorded U_offset_recorded W_detect force thd_box", SIZE),
+        _each("W_net eta M_eff force_phase W_T W_f W_c W_T_paper bound exponent dKE_bed allowed_remainder", KNOWN),
+        _each("offset E_n E_n_chain W_T_recorded offset_recorded E_n_recorded W_coil E_n_coil", KNOWN),
+        _each("thd_force thd_acceleration", SIZE),
+        {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
+        {"offset_terms": Keys(dict.fromkeys(TERMS, VALUE), null=True)},
+    )
+)
+AGREEMENT = Keys(
+    _all(
+        {"n": Number(0, whole=True)},
+        _each("ratio slope mean_offset put_in ratio_recorded", KNOWN),
+        _each("U_ratio k nu U_slope U_ratio_recorded", SIZE),
+    )
+)
+CAUSE = Keys(
+    _all(
+        _each("cause law words note", Text()),
+        {"in_run": YesNo(), "grows_with": Keys(_each("acceleration mass fill", KNOWN))},
+        _each("share empty locked", KNOWN),
+        _each("empty_from locked_from", Text(("run", "computed"), null=True)),
+    )
+)
+FINDING: dict[str, Shape] = {"found": Text(), "verdict": JUDGED, "why": Text(), "ties": WORDS}
+CLAIM = Keys({"claim": Text(), "test": Text(), **FINDING, "cases": List(Keys({"at": Text(), **FINDING}))})
+NULL = Keys(
+    _all(
+        {"null": Text(("locked", "carried")), "verdict": JUDGED, "why": Text(), "levels": Number(0, whole=True)},
+        _each("bed_mass frequency", Number(0.0)),
+        {"dphi": KNOWN},
+        _each("U_dphi k nu", SIZE),
+    )
+)
+REFERENCE = Keys(
+    _all({"verdict": JUDGED}, _each("reference of unit why", Text()), _each("value expected", KNOWN), {"U": SIZE})
+)
+FLAG = Keys({"flag": Text(), "worst": KNOWN, "runs": WORDS})
+INSTRUMENT = Keys(
+    _all(
+        _each("channel model unit", Text()),
+        _each("sensitivity calibration_U gain_tolerance noise_rms", VALUE),
+        {"time_constant": SIZE},
+    )
+)
+ASSUMED = Keys({"path": Text()}, {"value": Either(KNOWN, Text()), **_each("unit status source", Text(null=True))})
+MISTAKE = Keys(
+    _all(
+        {"kind": Text(), "parameter": VALUE, **_each("what rule notice", Text())},
+        {
+            "conditions": List(
+                Keys(_all({"id": Text(), "W_exp": VALUE}, _each("W_true eta error predicted ratio", KNOWN)))
+            )
+        },
+    )
+)
+FIDELITY = Keys(
+    {"tolerance": Number(0.0), "conditions": List(Keys({"id": Text(), "error": Number(0.0), "met": YesNo()}))}
+)
+
+REPORT = Keys(
+    _all(
+        {"schema": Text((SCHEMA,)), "protocol": Text(), "question": Text(), "synthetic": YesNo()},
+        {"tests": Text(("chain", "model")), "waveform": Text(("ideal", "measured"))},
+        {"conditions": List(CONDITION), "agreement": AGREEMENT, "causes": List(CAUSE), "claims": List(CLAIM)},
+        {"nulls": List(NULL), "references": List(REFERENCE), "ledger": Keys({"closure_max": SIZE})},
+        {"chain": Keys({"share": Number(0.0, 1.0, null=True), "needed": SHARE})},
+        {"verdict": Text(("passes", "fails")), "reasons": WORDS, "flags": List(FLAG)},
+        {"left_out": List(Keys(_each("run why", Text()))), "instruments": List(INSTRUMENT), "assumed": List(ASSUMED)},
+    ),
+    {"fidelity": FIDELITY, "mistake": MISTAKE},
+)
+
+
+def report_schema() -> Mapping[str, Any]:
+    """The JSON Schema of report.json."""
+    return {"$schema": DRAFT, "title": f"Agreement report, {SCHEMA}", **json_schema(REPORT)}
