@@ -40,19 +40,20 @@ def _making() -> dict[str, Any]:
         "command": " ".join(sys.argv),
         "platform": platform.platform(),
         "python": platform.python_version(),
-        "packages": {name: _version(name) for name in PACKAGES},
-        "git_commit": _commit(),
+        "packages": {name: version_of(name) for name in PACKAGES},
+        "git_commit": commit(),
     }
 
 
-def _version(name: str) -> str:
+def version_of(name: str) -> str:
+    """Version of an installed distribution, or that there is none."""
     try:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
 
 
-def _commit() -> str:
+def commit() -> str:
     """Commit of the source tree that runs, "" where it is not a checkout or git is not there."""
     tree = Path(__file__).resolve().parent.parent
     if not (tree / ".git").exists():

@@ -1,0 +1,82 @@
+"""What is claimed of the event-driven rows, judged on the work-precision curves of this very run."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from benchmarks.curve import Cost, cost_at
+from benchmarks.timing import spread
+
+Row = dict[str, Any]
+
+
+class Claim(NamedTuple):
+    """`rivals` need at least `demand` times as long as ours to bring W to the relative error `error`."""
+
+    error: float
+    demand: float
+    rivals: tuple[str, ...]
+    words: str
+
+
+FIRST_ORDER = ("semi-implicit Euler", "Moreau time stepping")
+SOLVE_IVP = ("solve_ivp RK45", "solve_ivp DOP853", "solve_ivp Radau", "solve_ivp LSODA")
+RK4 = ("RK4, events located",)
+OURS = "event-driven (ours)"
+
+CLAIMS = (
+    Claim(1e-6, 1000.0, SOLVE_IVP, "best solve_ivp with events"),
+    Claim(1e-6, 2.0, RK4, "compiled RK4, events located"),
+    Claim(1e-4, 20.0, FIRST_ORDER, "best compiled first-order stepping"),
+    Claim(1e-9, 10.0, RK4, "compiled RK4, events located"),
+)
+
+
+def judged(rows: Sequence[Row]) -> list[Row]:
+    """A row per claim and problem, and one for all problems together, which decides: the sums of the times."""
+    precise = [row for row in rows if row["kind"] == "precision" and row["failure"] is None]
+    problems = list(dict.fromkeys(row["problem"] for row in precise))
+    found = []
+    for claim in CLAIMS:
+        sums: list[tuple[list[float], list[float]]] = []
+        bound = False
+        for problem in problems:
+            here = [row for row in precise if row["problem"] == problem]
+            ours = _costs(here, OURS, claim.error)
+            rivals = {name: _costs(here, name, claim.error) for name in claim.rivals}
+            rivals = {name: costs for name, costs in rivals.items() if costs}
+            if not ours or not ours[0].reached or not rivals:
+                continue
+            best = min(rivals, key=lambda name: (not rivals[name][0].reached, _median(rivals[name])))
+            theirs = rivals[best]
+            bound |= not theirs[0].reached
+            sums.append(([cost.seconds for cost in theirs], [cost.seconds for cost in ours]))
+            found.append(_row(claim, problem, best, sums[-1:], not theirs[0].reached))
+        if sums:
+            found.append(_row(claim, "all", "", sums, bound))
+    return found
+
+
+def _row(
+    claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[float], list[float]]], bound: bool
+) -> Row:
+    slow = [sum(values) for values in zip(*(theirs for theirs, _ in times), strict=True)]
+    fast = [sum(values) for values in zip(*(ours for _, ours in times), strict=True)]
+    ratio = spread([a / b for a, b in zip(slow, fast, strict=True)])
+    return {
+        "kind": "claim", "error": claim.error, "rivals": claim.words, "problem": problem, "best": rival,
+        "demand": claim.demand, "ratio": ratio, "at_least": bound, "held": ratio["median"] >= claim.demand,
+        "problems": len(times),
+    }  # fmt: skip
+
+
+def _costs(rows: Sequence[Row], method: str, wanted: float) -> list[Cost]:
+    """What a method costs at an error, once for each round, us per cycle; nothing where it failed throughout."""
+    own = [row for row in rows if row["method"] == method]
+    if not own:
+        return []
+    errors = [row["error"] for row in own]
+    return [cost_at(wanted, errors, times) for times in zip(*(row["us_each"] for row in own), strict=True)]
+
+
+def _median(costs: Sequence[Cost]) -> float:
+    return sorted(cost.seconds for cost in costs)[len(costs) // 2]
