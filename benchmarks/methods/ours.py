@@ -1,42 +1,75 @@
-"""The rig's own way: from event to event, closed form between them, phases by safeguarded Newton."""
+"""The rig's own way: from event to event, closed form between them, phases by safeguarded Newton and Halley steps.
+
+Sliders are the rows of bed `layers` (rig.kernels.row), masses with weight the slug (rig.kernels.slug).
+"""
+
+import math
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from benchmarks.methods.method import Failed, Method, Work
-from benchmarks.sliders import Slider
-from rig.kernels.row import MAX_EVENTS, Events, cycle
+from benchmarks.sliders import WIDE, Slider
+from rig.kernels import slug
+from rig.kernels.row import cycle, no_events
 from rig.kernels.waveform import Array, crossings, extrema
 
 
 def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  # noqa: ARG001  there is no setting
     """Every cycle simulated, as by the other methods: the rig itself stops where a state recurs."""
     sine, cosine = np.ones(1), np.zeros(1)
-    table = crossings(np.array([slider.band]), sine, cosine, extrema(sine, cosine)).tables[0]
-    energy, events = _rows(
-        slider.band, slider.play, slider.restitution, *slider.start, table, sine, cosine, settle, average
-    )
-    if events < 0:
+    if slider.gravity > 0.0:
+        upper = slider.play if slider.play < WIDE else math.inf
+        world, table = slug.world(slider.gravity, 0.0, 0.0, upper, slider.restitution, sine, cosine)
+        found = _slug(*slider.start, world, table, sine, cosine, slug.no_events(), settle, average)
+    else:
+        table = crossings(np.array([slider.band]), sine, cosine, extrema(sine, cosine)).tables[0]
+        found = _row(
+            slider.band, slider.play, slider.restitution, *slider.start, table, sine, cosine, no_events(), settle,
+            average,
+        )  # fmt: skip
+    if found[1] < 0:
         raise Failed("more events in a cycle than can be followed")
-    return Work(energy, events, 0, 0, 0)
+    return Work(*found)
 
 
 @njit(cache=True, nogil=True)
-def _rows(
+def _row(
     band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
-    settle: int, average: int,
-) -> tuple[float, int]:  # fmt: skip
-    room = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
-    energy, events = 0.0, 0
+    room: NDArray[np.void], settle: int, average: int,
+) -> tuple[float, int, int, int, int]:  # fmt: skip
+    energy, events, roots = 0.0, 0, 0
     for k in range(settle + average):
-        after = cycle(mode, u, z, band, play, restitution, table, P, Q, room)
+        after = cycle(mode, u, z, band, play, restitution, table, P, Q, room[0])
         mode, u, z = after.mode, after.u, after.z
         if after.events < 0:
-            return energy, -1
+            return energy, -1, 0, 0, roots
         events += after.events
+        roots += after.roots
         if k >= settle:
             energy += (after.friction + after.collision) / average
-    return energy, events
+    return energy, events, roots, 0, roots
+
+
+@njit(cache=True, nogil=True)
+def _slug(
+    mode: int, u: float, z: float, world: slug.World, table: Array, P: Array, Q: Array, room: Any, settle: int,
+    average: int,
+) -> tuple[float, int, int, int, int]:  # fmt: skip
+    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    energy, events, roots = 0.0, 0, 0
+    for k in range(settle + average):
+        after = slug.cycle(mode, u, z, world, table, P, Q, S, C, room)
+        mode, u, z = after.mode, after.q, after.u
+        if after.events < 0:
+            return energy, -1, 0, 0, roots
+        events += after.events
+        roots += after.roots
+        if k >= settle:
+            energy += (after.friction + after.collision) / average
+    return energy, events, roots, 0, roots
 
 
 OURS = Method("event-driven (ours)", "ours", "", (0.0,), (0.0,), solve)

@@ -6,11 +6,14 @@ of the waveform. Between events the motion is closed form; event phases are brac
 have a fixed order: wall before stop, stop before region change.
 """
 
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from rig.kernels.waveform import TWO_PI, Array, Ints, motion
+from rig.kernels.waveform import TWO_PI, Array, Ints, motion, motion_and_jerk
 
 MAX_EVENTS = 512
 """Events of one row in one cycle; a row that needs more (elastic, frictionless, vanishing play) is refused."""
@@ -18,8 +21,8 @@ MAX_EVENTS = 512
 CHATTER = 1e-6
 """Rebounds slower than this many waveform velocities end at the wall: what is cut off is below 5e-13 of m V^2."""
 
-CONVERGED = 1e-9
-"""Newton step, rad, behind which the next would lie below round-off (its square times the curvature)."""
+NEAR = 3e-6
+"""Halley step, rad, behind which the next would lie below round-off (its cube times the curvature)."""
 
 TIGHT = 1e-15
 """Bracket width, rad, at which bisection has nothing left to halve."""
@@ -43,19 +46,25 @@ class Rows(NamedTuple):
     tables: Array
 
 
-class Events(NamedTuple):
-    """What starts at each event: phase, mode, and the row's velocity in the laboratory; each of shape (MAX_EVENTS,)."""
+EVENTS = np.dtype(
+    [("phase", np.float64, (MAX_EVENTS,)), ("mode", np.int64, (MAX_EVENTS,)), ("w", np.float64, (MAX_EVENTS,))]
+)
+"""What starts at each event of a cycle: phase, mode, and the row's velocity in the laboratory.
 
-    phase: Array
-    mode: Ints
-    w: Array
+A record, because compiled code counts the references of every array that it hands on, which costs as much as an event.
+"""
+
+
+def no_events() -> NDArray[np.void]:
+    """Room for the events of one cycle: an array of one record, which has to outlive the record."""
+    return np.empty(1, EVENTS)
 
 
 class Cycle(NamedTuple):
     """A row at the end of a cycle, the number of its events (-1: more than `MAX_EVENTS`), and the cycle's energies.
 
     mode : 0 rides with the box, +1 and -1 slide towards that side
-    work : of the box on the row; friction, collision : losses
+    work : of the box on the row; friction, collision : losses; roots : steps of root searches
     """
 
     mode: int
@@ -65,42 +74,64 @@ class Cycle(NamedTuple):
     work: float
     friction: float
     collision: float
+    roots: int
 
 
-@njit(cache=True, nogil=True)
-def _stop_phase(
+@njit(cache=True, nogil=True, inline="always")
+def _carried(step: float, x: float, v: float, a: float, jerk: float) -> tuple[float, float]:
+    """Position and velocity of the box a phase `step` later, |step| <= `NEAR`: what is left out is below 1e-17."""
+    return x + step * (v + step * (0.5 * a + step * jerk / 6.0)), v + step * (a + 0.5 * step * jerk)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _stop(
     lo: float, f_lo: float, hi: float, f_hi: float, start: float, w: float, band: float, s: float, P: Array, Q: Array
-) -> float:
-    """Root of s z in a bracket where it falls from >= 0 to < 0: safeguarded Newton from the secant."""
+) -> tuple[float, float, float, int]:  # fmt: skip
+    """Root of s z in a bracket where it falls from >= 0 to < 0: phase, the box's position and velocity, iterations.
+
+    Halley's method from the secant, safeguarded by bisection.
+    """
     theta = lo + (hi - lo) * f_lo / (f_lo - f_hi)
-    for _ in range(100):
-        _, v, a = motion(theta, P, Q)
+    for n in range(1, 101):
+        x, v, a, jerk = motion_and_jerk(theta, P, Q)
         f = s * (w - v) - band * (theta - start)
         if f >= 0.0:
             lo = theta
         else:
             hi = theta
         slope = -band - s * a
-        new = theta - f / slope if slope < 0.0 else lo - 1.0
-        newton = lo <= new <= hi
-        if not newton:
+        bent = slope * slope + 0.5 * f * s * jerk
+        new = theta - f * slope / bent if slope < 0.0 and bent > 0.0 else lo - 1.0
+        halley = lo <= new <= hi
+        if not halley:
             new = 0.5 * (lo + hi)
-        step = abs(new - theta)
+        step = new - theta
         theta = new
-        if (newton and step < CONVERGED) or hi - lo < TIGHT:
+        if halley and abs(step) < NEAR:
+            x, v = _carried(step, x, v, a, jerk)
+            return theta, x, v, n
+        if hi - lo < TIGHT:
             break
-    return theta
+    x, v, _ = motion(theta, P, Q)
+    return theta, x, v, n
 
 
-@njit(cache=True, nogil=True)
-def _hit_phase(
-    lo: float, gap_lo: float, hi: float, gap_hi: float, start: float, y: float, w: float, band: float, s: float,
-    wall: float, P: Array, Q: Array,
-) -> float:  # fmt: skip
-    """Root of the distance to the wall in a bracket where it falls from >= 0 to <= 0: safeguarded Newton."""
-    theta = lo + (hi - lo) * gap_lo / (gap_lo - gap_hi) if gap_lo > gap_hi else hi
-    for _ in range(100):
-        x, v, _ = motion(theta, P, Q)
+@njit(cache=True, nogil=True, inline="always")
+def _hit(
+    lo: float, gap_lo: float, v_lo: float, hi: float, gap_hi: float, start: float, y: float, w: float, band: float,
+    s: float, wall: float, P: Array, Q: Array,
+) -> tuple[float, float, float, int]:  # fmt: skip
+    """Root of the distance to the wall in a bracket where it falls from >= 0 to <= 0; returns as `_stop` does.
+
+    Halley's method from the parabola through both ends with the slope `v_lo` gives, safeguarded by bisection.
+    """
+    span = hi - lo
+    fall = (s * (w - v_lo) - band * (lo - start)) * span
+    bent = fall * fall + 4.0 * (gap_lo - gap_hi - fall) * gap_lo
+    below = fall + math.sqrt(max(bent, 0.0))
+    theta = min(lo + 2.0 * gap_lo * span / below, hi) if below > 0.0 else hi
+    for n in range(1, 101):
+        x, v, a, jerk = motion_and_jerk(theta, P, Q)
         t = theta - start
         gap = s * (wall + x - y - w * t) + 0.5 * band * t * t
         closing = s * (w - v) - band * t
@@ -108,15 +139,20 @@ def _hit_phase(
             lo = theta
         else:
             hi = theta
-        new = theta + gap / closing if closing > 0.0 else lo - 1.0
-        newton = lo <= new <= hi
-        if not newton:
+        bent = closing * closing - 0.5 * gap * (s * a + band)
+        new = theta + gap * closing / bent if closing > 0.0 and bent > 0.0 else lo - 1.0
+        halley = lo <= new <= hi
+        if not halley:
             new = 0.5 * (lo + hi)
-        step = abs(new - theta)
+        step = new - theta
         theta = new
-        if (newton and step < CONVERGED) or hi - lo < TIGHT:
+        if halley and abs(step) < NEAR:
+            x, v = _carried(step, x, v, a, jerk)
+            return theta, x, v, n
+        if hi - lo < TIGHT:
             break
-    return theta
+    x, v, _ = motion(theta, P, Q)
+    return theta, x, v, n
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -129,18 +165,18 @@ def _thrown(region: int, u: float, play: float) -> int:
     return 0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def cycle(
     mode: int, u: float, z: float, band: float, play: float, restitution: float, table: Array, P: Array, Q: Array,
-    events: Events,
+    events: Any,
 ) -> Cycle:  # fmt: skip
     """Advance a row by one cycle of the drive from (mode, u, z); `table` is its layer's, its events go to `events`.
 
-    One function on purpose: with the search for the next contact in a function of its own it takes a third longer.
+    `events` is a record of `EVENTS`. One function on purpose, and compiled into its callers: a call hands on six
+    arrays, which costs as much as an event.
     """
-    event_phase, event_mode, event_w = events
     theta, x, v, region, ahead, n = 0.0, table[0, 1], table[0, 2], int(table[0, 3]), 1, 0
-    work, friction, collision = 0.0, 0.0, 0.0
+    work, friction, collision, roots = 0.0, 0.0, 0.0, 0
     start, y, w = theta, x + u, v + z
     start_x, start_v = x, v
     while True:
@@ -152,11 +188,11 @@ def cycle(
                 mode = _thrown(region, u, play)
             work += 0.5 * (v * v - start_v * start_v)
             if mode == 0:
-                return Cycle(0, u, 0.0, n, work, friction, collision)
+                return Cycle(0, u, 0.0, n, work, friction, collision, roots)
             start, y, w, start_x = theta, x + u, v, x
             if n >= MAX_EVENTS:
-                return Cycle(mode, u, 0.0, -1, work, friction, collision)
-            event_phase[n], event_mode[n], event_w[n] = theta, mode, w
+                return Cycle(mode, u, 0.0, -1, work, friction, collision, roots)
+            events.phase[n], events.mode[n], events.w[n] = theta, mode, w
             n += 1
         s = float(mode)
         wall = play if mode == 1 else 0.0
@@ -169,15 +205,17 @@ def cycle(
         begin = theta - start
         if stops:
             closing = s * (w - v) - band * begin
-            end = _stop_phase(theta, max(closing, 0.0), end, closing_end, start, w, band, s, P, Q)
-            x_end, v_end, _ = motion(end, P, Q)
+            end, x_end, v_end, steps = _stop(theta, max(closing, 0.0), end, closing_end, start, w, band, s, P, Q)
+            roots += steps
             t = end - start
             gap_end = s * (wall + x_end - y - w * t) + 0.5 * band * t * t
             hits = gap_end <= 0.0
         if hits:
             gap = s * (wall + x - y - w * begin) + 0.5 * band * begin * begin
-            end = _hit_phase(theta, max(gap, 0.0), end, gap_end, start, y, w, band, s, wall, P, Q)
-            x_end, v_end, _ = motion(end, P, Q)
+            end, x_end, v_end, steps = _hit(
+                theta, max(gap, 0.0), v, end, gap_end, start, y, w, band, s, wall, P, Q
+            )
+            roots += steps
             t = end - start
         theta, x, v = end, x_end, v_end
         if not hits and not stops and theta < TWO_PI:
@@ -189,7 +227,7 @@ def cycle(
         friction += band * s * (u - before)
         work -= s * band * (x - start_x)
         if not hits and not stops:
-            return Cycle(mode, u, w - s * band * t - v, n, work, friction, collision)
+            return Cycle(mode, u, w - s * band * t - v, n, work, friction, collision, roots)
         back = 0.0
         if hits:
             closing = max(s * (w - v) - band * t, 0.0)
@@ -202,6 +240,6 @@ def cycle(
         w = v - s * back
         start, y, start_x, start_v = theta, x + u, x, v
         if n >= MAX_EVENTS:
-            return Cycle(mode, u, 0.0, -1, work, friction, collision)
-        event_phase[n], event_mode[n], event_w[n] = theta, mode, w
+            return Cycle(mode, u, 0.0, -1, work, friction, collision, roots)
+        events.phase[n], events.mode[n], events.w[n] = theta, mode, w
         n += 1

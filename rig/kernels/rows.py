@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rig.kernels.row import MAX_EVENTS, Cycle, Events, Rows, cycle
+from rig.kernels.row import Cycle, Rows, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 HISTORY = 64
@@ -83,12 +83,6 @@ def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> 
     return 0
 
 
-@njit(cache=True, nogil=True)
-def _no_events() -> Events:
-    """Room for the events of one cycle."""
-    return Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
-
-
 def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
     """Energy per cycle of rows in their steady state, units of the waveform.
 
@@ -97,7 +91,7 @@ def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, 
     Returns friction, collision, period (0: none), each of shape (rows,); the period is -1 where a row exceeds
     `MAX_EVENTS`, -2 where its span exceeds `LONGEST_SPAN`.
     """
-    found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average)
+    found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average, no_events())
     return found
 
 
@@ -113,17 +107,19 @@ def _span(band: float, play: float) -> tuple[int, int]:
 
 @njit(cache=True, nogil=True)
 def _steady_energy(
-    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int
-) -> tuple[Array, Array, Ints]:
+    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int,
+    room: NDArray[np.void],
+) -> tuple[Array, Array, Ints]:  # fmt: skip
     count = layer.shape[0]
     friction = np.zeros(count)
     collision = np.zeros(count)
     period = np.zeros(count, np.int64)
     history = np.empty((HISTORY, 3))
     losses = np.empty((HISTORY, 2))
-    events = _no_events()
+    events = room[0]
     for r in range(count):
         i = layer[r]
+        table = tables[i]
         mode, u, z = 0, 0.0, 0.0
         span, left_out = _span(band[i], play[r])
         if span > LONGEST_SPAN:
@@ -141,7 +137,7 @@ def _steady_energy(
                         collision[r] += losses[(n - b) % HISTORY, 1] / back
                     break
                 history[k, 0], history[k, 1], history[k, 2] = mode, u, z
-            after = cycle(mode, u, z, band[i], play[r], restitution, tables[i], P, Q, events)
+            after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
             if after.events < 0:
                 period[r] = -1
@@ -172,7 +168,7 @@ def follow(
     base = np.zeros((grid.cycles, 3))
     base[:, 0] = riding_rows
     first_cycle, cycles, per_cycle = grid
-    ledger, repeats = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base)
+    ledger, repeats = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base, no_events())
     return _momentum(*grid, step, base, velocity, scale), ledger, repeats
 
 
@@ -180,16 +176,18 @@ def follow(
 def _follow(
     first_cycle: int, cycles: int, per_cycle: float, layer: Ints, play: Array, restitution: float, band: Array,
     tables: Array, P: Array, Q: Array, memory: Memory, step: Array, base: Array,
+    room: NDArray[np.void],
 ) -> tuple[Array, int]:  # fmt: skip
     """Ledger of the rows, and the period of all of them (`follow`); adds their velocities to `step` and `base`."""
     ledger = np.zeros((cycles, 4))
-    events = _no_events()
+    events = room[0]
     start_v = motion(0.0, P, Q)[1]
     origin = math.ceil(first_cycle * per_cycle)
     per_phase = per_cycle / TWO_PI
     repeats = 1
     for r in range(layer.shape[0]):
         i, row = layer[r], memory[r]
+        table = tables[i]
         repeats = _common(repeats, row.period) if row.recorded >= row.period else 0
         for k in range(cycles):
             now = first_cycle + k
@@ -198,7 +196,7 @@ def _follow(
             if row.period > 0 and row.recorded >= row.period:
                 after = _replay(row, events)
             else:
-                after = cycle(row.mode, row.u, row.z, band[i], play[r], restitution, tables[i], P, Q, events)
+                after = cycle(row.mode, row.u, row.z, band[i], play[r], restitution, table, P, Q, events)
                 if after.events < 0:
                     return ledger, -1
                 _store(row, after, events)
@@ -246,7 +244,7 @@ def _look_back(row: Any, now: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _replay(row: Any, events: Events) -> Cycle:
+def _replay(row: Any, events: Any) -> Cycle:
     """The stored cycle of a steady row whose turn it is."""
     turn = row.recorded % row.period
     begin = row.offset[turn]
@@ -258,12 +256,12 @@ def _replay(row: Any, events: Events) -> Cycle:
     row.recorded += 1
     return Cycle(
         int(row.after[turn, 0]), row.after[turn, 1], row.after[turn, 2], count,
-        row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2],
+        row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2], 0,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
-def _store(row: Any, after: Cycle, events: Events) -> None:
+def _store(row: Any, after: Cycle, events: Any) -> None:
     """Keep a cycle of a steady row; one with more events than there is room for is given up."""
     if row.period <= 0:
         return

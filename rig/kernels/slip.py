@@ -2,8 +2,9 @@
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from rig.kernels.row import MAX_EVENTS, Events, Rows, cycle
+from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import SAME
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
@@ -23,16 +24,16 @@ def slip_moments(rows: Rows, P: Array, Q: Array) -> tuple[float, float, float]:
     with more than `MAX_EVENTS` events counts up to there.
     """
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    second, third, peak = _slip_moments(*rows, P, Q, nodes, weights)
+    second, third, peak = _slip_moments(*rows, P, Q, nodes, weights, no_events())
     return float(second), float(third), float(peak)
 
 
 @njit(cache=True, nogil=True)
 def _slip_moments(
     layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, nodes: Array,
-    weights: Array,
+    weights: Array, room: NDArray[np.void],
 ) -> tuple[float, float, float]:  # fmt: skip
-    events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+    events = room[0]
     start_v = motion(0.0, P, Q)[1]
     second, third, peak = 0.0, 0.0, 0.0
     for r in range(layer.shape[0]):

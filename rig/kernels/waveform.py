@@ -49,6 +49,28 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
     return x, v, a
 
 
+@njit(cache=True, nogil=True, inline="always")
+def motion_and_jerk(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float]:
+    """Position, velocity, acceleration and its derivative by the phase."""
+    s1 = math.sin(theta)
+    c1 = math.cos(theta)
+    x = P[0] * s1 + Q[0] * c1
+    v = P[0] * c1 - Q[0] * s1
+    a = -x
+    jerk = -v
+    s, c = s1, c1
+    for k in range(1, P.shape[0]):
+        s, c = s * c1 + c * s1, c * c1 - s * s1
+        h = k + 1.0
+        wave = P[k] * s + Q[k] * c
+        turn = P[k] * c - Q[k] * s
+        x += wave / (h * h)
+        v += turn / h
+        a -= wave
+        jerk -= h * turn
+    return x, v, a, jerk
+
+
 @njit(cache=True, nogil=True)
 def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P: Array, Q: Array) -> float:
     """Phase in a bracket where a(theta) = level, to round-off: regula falsi with the Illinois step.

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rig.kernels.row import MAX_EVENTS, Events, Rows, cycle
+from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import steady_energy
 from rig.kernels.waveform import Array, crossings, extrema, motion
 
@@ -31,10 +31,10 @@ def steady(band: float, play: float, restitution: float = 0.0, average: int = 64
 def transient(band: float, play: float, restitution: float, cycles: int, waveform: tuple[Array, Array] = SINE) -> Array:
     """Lines of (mode, u, z, work, friction, collision) at the end of each cycle of a row that starts at rest."""
     row = one_row(band, play, restitution, waveform)
-    events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+    room = no_events()
     mode, u, z, lines = 0, 0.0, 0.0, []
     for _ in range(cycles):
-        after = cycle(mode, u, z, band, play, restitution, row.tables[0], *waveform, events)
+        after = cycle(mode, u, z, band, play, restitution, row.tables[0], *waveform, room[0])
         assert after.events >= 0
         mode, u, z = after.mode, after.u, after.z
         lines.append((mode, u, z, after.work, after.friction, after.collision))
