@@ -21,7 +21,7 @@ lint: $(READY)
 	$(BIN)/mypy
 
 bench: $(READY)
-	$(BIN)/python benchmarks/bench.py
+	$(BIN)/rig bench
 
 stability: $(READY)
 	$(BIN)/python -m benchmarks.stability

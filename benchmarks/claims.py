@@ -56,17 +56,65 @@ def judged(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _row(
-    claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[float], list[float]]], bound: bool
-) -> Row:
+def checked(rows: Sequence[Row]) -> list[Row]:
+    """What is claimed of the rig's parts, a row each: found, limit, and whether it is kept."""
+    found: list[Row] = []
+    recording = [row for row in rows if row["kind"] == "fill" and row["method"].startswith("recording")]
+    if recording:
+        best = recording[-1]
+        found.append(
+            _check(
+                f"fill protocol, {best['method']}: times faster than rig time",
+                best["times_faster"]["median"],
+                200.0,
+                least=True,
+            )
+        )
+    tier = [row for row in rows if row["kind"] == "layers" and row["method"] == "closed tier, 8 rows"]
+    if tier:
+        found.append(
+            _check("closed tier, 8 rows: ms a condition, slowest level", max(row["ms"]["median"] for row in tier), 10.0)
+        )
+        found.append(
+            _check("closed tier, 8 rows: relative error of W_T, worst level", max(row["error"] for row in tier), 5e-3)
+        )
+    found += [
+        _check(f"account of bed {row['problem']}, {row['cycles']} cycles: relative drift", row["drift"], 1e-9)
+        for row in rows
+        if row["kind"] == "drift"
+    ]
+    found += [
+        {
+            **_check(f"cost over {row['axis']}: exponent, error {row['error']:.2f}", row["exponent"], 1.0),
+            "held": row["at_most_linear"],
+        }
+        for row in rows
+        if row["kind"] == "exponent" and row["at_most_linear"] is not None
+    ]
+    return found
+
+
+def _check(what: str, value: float, limit: float, least: bool = False) -> Row:
+    held = value >= limit if least else value <= limit
+    return {"kind": "check", "what": what, "found": value, "limit": limit, "least": least, "held": held}
+
+
+def _row(claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[float], list[float]]], bound: bool) -> Row:
     slow = [sum(values) for values in zip(*(theirs for theirs, _ in times), strict=True)]
     fast = [sum(values) for values in zip(*(ours for _, ours in times), strict=True)]
     ratio = spread([a / b for a, b in zip(slow, fast, strict=True)])
     return {
-        "kind": "claim", "error": claim.error, "rivals": claim.words, "problem": problem, "best": rival,
-        "demand": claim.demand, "ratio": ratio, "at_least": bound, "held": ratio["median"] >= claim.demand,
+        "kind": "claim",
+        "error": claim.error,
+        "rivals": claim.words,
+        "problem": problem,
+        "best": rival,
+        "demand": claim.demand,
+        "ratio": ratio,
+        "at_least": bound,
+        "held": ratio["median"] >= claim.demand,
         "problems": len(times),
-    }  # fmt: skip
+    }
 
 
 def _costs(rows: Sequence[Row], method: str, wanted: float) -> list[Cost]:

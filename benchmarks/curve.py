@@ -11,7 +11,7 @@ FLOOR = 1e-17
 
 
 class Cost(NamedTuple):
-    """Seconds at a wanted error. reached: False where even the finest setting misses it; the time is then a least one."""
+    """Seconds at a wanted error; not `reached` where even the finest setting misses it: they are the least then."""
 
     seconds: float
     reached: bool

@@ -1,6 +1,5 @@
 """Error, time, work and memory of every method on one slider or slug, timed side by side."""
 
-import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -57,8 +56,3 @@ def _averaged(slider: Slider, method: Method, setting: float) -> int:
         return 2 * slider.period
     most = COMPILED_CYCLES if method.order is None else max(int(COMPILED_STEPS / setting), slider.settle)
     return slider.period * max((min(most, COMPILED_CYCLES) - slider.settle) // slider.period, 2)
-
-
-def slug_of(name: str) -> str:
-    """A name as part of a file name."""
-    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")

@@ -5,6 +5,7 @@ Between events u and z are known functions of the phase; a dense scan brackets t
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from scipy.optimize import brentq
 
@@ -29,7 +30,7 @@ def energies(
             z = 0.0
             continue
         arrival = _Flight(t, u, z, mode * band + gravity)
-        until, kind = _next(arrival, mode, band, play, t, end)
+        until, kind = _next(arrival, mode, band, play, end)
         for k in range(int(t / (2.0 * math.pi)), min(int(until / (2.0 * math.pi)), cycles - 1) + 1):
             first, last = max(t, 2.0 * math.pi * k), min(until, 2.0 * math.pi * (k + 1))
             lost[k] += band * abs(arrival.place(last) - arrival.place(first))
@@ -65,7 +66,7 @@ class _Flight:
         return self._t + min(SCAN, abs(self._z) / force if force > 0.0 else SCAN)
 
 
-def _next(flight: _Flight, mode: int, band: float, play: float, t: float, end: float) -> tuple[float, str]:
+def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> tuple[float, str]:
     """Phase and kind of the first event of a flight: "wall", "stop" (only with friction) or "end"."""
     before = flight.soon()
     while before < end:
@@ -92,9 +93,13 @@ def _release(t: float, u: float, band: float, play: float, gravity: float, end: 
         after = min(t + SCAN, end)
         mode = _thrown(after, u, band, play, gravity)
         if mode:
-            return _root(lambda x, s=mode: math.sin(x) - gravity - s * band, t, after), mode
+            return _root(partial(_excess, gravity + mode * band), t, after), mode
         t = after
     return end, 0
+
+
+def _excess(level: float, t: float) -> float:
+    return math.sin(t) - level
 
 
 def _thrown(t: float, u: float, band: float, play: float, gravity: float) -> int:

@@ -62,15 +62,13 @@ def resting_block(eta: float) -> Slider:
     begin = math.asin(eta)
     stop = _root(lambda t: math.cos(begin) - math.cos(t) - eta * (t - begin), math.pi - begin, begin + math.pi)
     way = math.cos(begin) * (stop - begin) - math.sin(stop) + eta - 0.5 * eta * (stop - begin) ** 2
-    return Slider(
-        f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, 2.0 * eta * way, start=(0, START_MIDDLE, 0.0)
-    )
+    return Slider(f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, 2.0 * eta * way, start=(0, START_MIDDLE, 0.0))
 
 
 def weightless(play: float) -> Slider:
     """Plastic slider without friction (zero gravity), play <= pi: tau - sin tau = play, W = (1 - cos tau)^2."""
     tau = _root(lambda t: t - math.sin(t) - play, 0.0, 2.0 * math.pi)
-    return Slider(f"zero gravity, gap {play:g}", 0.0, play, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2)
+    return Slider(f"weightless, gap {play:g}", 0.0, play, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2)
 
 
 def rough(band: float, play: float) -> Slider:
@@ -88,11 +86,11 @@ def rough(band: float, play: float) -> Slider:
     return Slider(f"friction {band:g}, gap {play:g}", band, play, 0.0, 0.0, 2.0 * band * play + z * z)
 
 
-def elastic(band: float, play: float, restitution: float, settle: int = 24) -> Slider:
+def elastic(band: float, play: float, restitution: float, settle: int = 8) -> Slider:
     """Slider that rebounds; the answer comes from `reference`, closed flights with roots of their own."""
     found = energies(band, play, restitution, 0.0, (0, 0.0, 0.0), settle + 1)
     return Slider(
-        f"rebound {restitution:g}, friction {band:g}", band, play, restitution, 0.0, found[-1], "reference",
+        f"e {restitution:g}, friction {band:g}", band, play, restitution, 0.0, found[-1], "reference",
         settle=settle,
     )  # fmt: skip
 
@@ -105,7 +103,9 @@ def slug(level: float) -> Slider:
     def height(t: float) -> float:
         return math.cos(begin) * (t - begin) - math.sin(t) + gravity - 0.5 * gravity * (t - begin) ** 2
 
-    apex = _root(lambda t: math.cos(begin) - math.cos(t) - gravity * (t - begin), math.pi - begin, begin + 3.0 * math.pi)
+    apex = _root(
+        lambda t: math.cos(begin) - math.cos(t) - gravity * (t - begin), math.pi - begin, begin + 3.0 * math.pi
+    )
     land = _root(height, apex, apex + 2.0 * math.pi)
     z = math.cos(begin) - math.cos(land) - gravity * (land - begin)
     return Slider(f"slug, Gamma {level:g}", 0.0, WIDE, 0.0, gravity, 0.5 * z * z)
@@ -120,7 +120,7 @@ def lidded_slug(level: float, gap: float) -> Slider:
 @lru_cache
 def sliders() -> tuple[Slider, ...]:
     """Sliders of the comparison: friction without rest, with rest, impacts without friction, both, and a rebound."""
-    return sliding_block(0.3), resting_block(0.7), weightless(1.0), rough(0.1, 1.3), elastic(0.1, 1.3, 0.25)
+    return sliding_block(0.3), resting_block(0.7), weightless(1.0), rough(0.1, 1.3), elastic(0.2, 1.3, 0.25)
 
 
 @lru_cache

@@ -6,8 +6,11 @@ import tracemalloc
 from collections.abc import Callable, Mapping
 from typing import Any
 
-LEAST = 2e-3
+LEAST = 1e-3
 """Seconds that one measurement lasts at least: short calls are repeated, and the time of one of them is given."""
+
+BATCHES = 3
+"""Measurements of a short call per round, the shortest of which counts: others on the machine only ever add time."""
 
 MOST_CALLS = 1000
 
@@ -20,12 +23,16 @@ def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, least: f
     for number in range(rounds):
         turn = number % len(names)
         for name in names[turn:] + names[:turn]:
-            call, times = calls[name], repeats[name]
-            start = time.perf_counter()
-            for _ in range(times):
-                call()
-            found[name].append((time.perf_counter() - start) / times)
+            batches = BATCHES if repeats[name] > 1 else 1
+            found[name].append(min(_batch(calls[name], repeats[name]) for _ in range(batches)))
     return found
+
+
+def _batch(call: Callable[[], object], times: int) -> float:
+    start = time.perf_counter()
+    for _ in range(times):
+        call()
+    return (time.perf_counter() - start) / times
 
 
 def _repeats(call: Callable[[], object], least: float) -> int:
@@ -50,7 +57,7 @@ def ratios(slow: list[float], fast: list[float]) -> dict[str, Any]:
 
 
 def peak_memory(call: Callable[[], Any]) -> tuple[Any, float]:
-    """Result of a call and the largest sum of what Python and numpy held for it, in kB (compiled code's own is not seen)."""
+    """Result of a call, and the most that Python and numpy held for it, kB (what compiled code holds is not seen)."""
     tracemalloc.start()
     try:
         result = call()

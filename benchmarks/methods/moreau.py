@@ -38,10 +38,7 @@ def _run(
         for n in range(steps):
             middle = u + 0.5 * h * z
             free = z + h * (math.sin((n + 0.5) * h) - gravity)
-            if abs(free) <= grip:
-                new = 0.0
-            else:
-                new = free - math.copysign(grip, free)
+            new = 0.0 if abs(free) <= grip else free - math.copysign(grip, free)
             if middle <= 0.0:
                 new = max(new, -restitution * z)
             if middle >= play:

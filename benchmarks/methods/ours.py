@@ -1,10 +1,9 @@
 """The rig's own way: from event to event, closed form between them, phases by safeguarded Newton and Halley steps.
 
-Sliders are the rows of bed `layers` (rig.kernels.row), masses with weight the slug (rig.kernels.slug).
+Sliders are the rows of bed `layers` (rig.kernels.row), masses with weight the slug (rig.kernels.slug_cycle).
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -12,8 +11,10 @@ from numpy.typing import NDArray
 
 from benchmarks.methods.method import Failed, Method, Work
 from benchmarks.sliders import WIDE, Slider
-from rig.kernels import slug
 from rig.kernels.row import cycle, no_events
+from rig.kernels.slug_cycle import Events, World, world
+from rig.kernels.slug_cycle import cycle as slug_cycle
+from rig.kernels.slug_cycle import no_events as slug_room
 from rig.kernels.waveform import Array, crossings, extrema
 
 
@@ -22,8 +23,8 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
     sine, cosine = np.ones(1), np.zeros(1)
     if slider.gravity > 0.0:
         upper = slider.play if slider.play < WIDE else math.inf
-        world, table = slug.world(slider.gravity, 0.0, 0.0, upper, slider.restitution, sine, cosine)
-        found = _slug(*slider.start, world, table, sine, cosine, slug.no_events(), settle, average)
+        place, table = world(slider.gravity, 0.0, 0.0, upper, slider.restitution, sine, cosine)
+        found = _slug(*slider.start, place, table, sine, cosine, slug_room(), settle, average)
     else:
         table = crossings(np.array([slider.band]), sine, cosine, extrema(sine, cosine)).tables[0]
         found = _row(
@@ -55,13 +56,13 @@ def _row(
 
 @njit(cache=True, nogil=True)
 def _slug(
-    mode: int, u: float, z: float, world: slug.World, table: Array, P: Array, Q: Array, room: Any, settle: int,
+    mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int]:  # fmt: skip
     S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
     energy, events, roots = 0.0, 0, 0
     for k in range(settle + average):
-        after = slug.cycle(mode, u, z, world, table, P, Q, S, C, room)
+        after = slug_cycle(mode, u, z, world, table, P, Q, S, C, room)
         mode, u, z = after.mode, after.q, after.u
         if after.events < 0:
             return energy, -1, 0, 0, roots

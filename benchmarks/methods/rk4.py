@@ -67,7 +67,9 @@ def _located(
 
 
 @njit(cache=True, nogil=True)
-def _start(t: float, h: float, at_low: float, at_high: float, level: float, sign: float, gravity: float) -> tuple[float, int]:
+def _start(
+    t: float, h: float, at_low: float, at_high: float, level: float, sign: float, gravity: float
+) -> tuple[float, int]:
     """Share of a step after which sign (sin(t) - gravity) rises through `level`, from its excess at both ends."""
     low, high = 0.0, h
     guess = h * at_low / (at_low - at_high)

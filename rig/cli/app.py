@@ -254,6 +254,23 @@ def calibrate(
 
 
 @app.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer problems, settings, rounds: under a minute.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for bench.jsonl, performance.md and figures.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON lines and nothing else.")] = False,
+) -> None:
+    """Speed against error: our integrators beside others, the parts of the rig, how cost grows.
+
+    Example: rig bench --quick --out bench
+    """
+    from rig.cli.bench import bench as run_bench
+
+    raise typer.Exit(run_bench(quick, out, json))
+
+
+@app.command()
 def init(
     path: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write.")] = Path("protocol.yaml"),
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,

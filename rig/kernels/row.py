@@ -212,9 +212,7 @@ def cycle(
             hits = gap_end <= 0.0
         if hits:
             gap = s * (wall + x - y - w * begin) + 0.5 * band * begin * begin
-            end, x_end, v_end, steps = _hit(
-                theta, max(gap, 0.0), v, end, gap_end, start, y, w, band, s, wall, P, Q
-            )
+            end, x_end, v_end, steps = _hit(theta, max(gap, 0.0), v, end, gap_end, start, y, w, band, s, wall, P, Q)
             roots += steps
             t = end - start
         theta, x, v = end, x_end, v_end

@@ -23,22 +23,23 @@ ALLOWED = {
 """All that a package imports beside the standard library."""
 
 HOMES = {
-    "analysis": ("analysis", "rig.campaign", "rig.cli"),
-    "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli"),
+    "analysis": ("analysis", "rig.campaign", "rig.cli", "benchmarks"),
+    "benchmarks": ("benchmarks", "rig.cli.bench"),
+    "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli", "benchmarks"),
     "daq.formats": ("daq.formats", "rig.campaign", "rig.cli"),
-    "daq.frontend": ("daq", "rig.campaign"),
-    "daq.acquisition": ("daq", "rig.campaign"),
+    "daq.frontend": ("daq", "rig.campaign", "benchmarks"),
+    "daq.acquisition": ("daq", "rig.campaign", "benchmarks"),
     "daq.transducer": ("daq", "rig.campaign"),
-    "rig.campaign": ("rig.campaign", "rig.cli", "rig"),
+    "rig.campaign": ("rig.campaign", "rig.cli", "rig", "benchmarks"),
     "rig.cli": ("rig.cli",),
     "yaml": ("rig.catalog",),
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
-    "h5py": ("daq.session", "daq.formats"),
+    "h5py": ("daq.session", "daq.formats", "benchmarks.records"),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
-    "matplotlib": ("analysis.figures", "analysis.study_figures"),
-    "numba": ("daq", "rig.kernels"),
+    "matplotlib": ("analysis.figures", "analysis.study_figures", "benchmarks.figures"),
+    "numba": ("daq", "rig.kernels", "benchmarks"),
 }
 """All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
 
@@ -52,7 +53,7 @@ def within(name: str, places: tuple[str, ...]) -> bool:
 
 def modules() -> dict[str, ast.Module]:
     found = {}
-    for package in ("rig", "daq", "analysis"):
+    for package in ("rig", "daq", "analysis", "benchmarks"):
         for path in sorted((ROOT / package).rglob("*.py")):
             parts = path.relative_to(ROOT).with_suffix("").parts
             name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
