@@ -2,12 +2,13 @@
 
 import math
 from decimal import Decimal
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.hard.exact import PI, Flight, arcsine
-from rig.kernels.row import MAX_EVENTS, Cycle, Events, Rows, cycle
+from rig.kernels.row import Cycle, Rows, cycle, no_events
 from rig.kernels.rows import steady_energy
 from rig.kernels.waveform import crossings, extrema
 
@@ -19,6 +20,14 @@ STUCK = 2.0 / math.sqrt(4.0 + math.pi**2)
 """eta from which a block on a rough floor sticks twice per cycle: 0.537."""
 
 
+class Happened(NamedTuple):
+    """What starts at each event of a cycle: phase, mode, velocity in the laboratory, shape (events,)."""
+
+    phase: Array
+    mode: NDArray[np.int64]
+    w: Array
+
+
 def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> Rows:
     """A single row on a waveform."""
     bands = np.array([band])
@@ -27,19 +36,18 @@ def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> 
     )
 
 
-def followed(rows: Rows, cycles: int, wave: Wave = SINE) -> tuple[list[Cycle], list[Events]]:
+def followed(rows: Rows, cycles: int, wave: Wave = SINE) -> tuple[list[Cycle], list[Happened]]:
     """A single row from rest at u = 0: what each cycle gave, and its events; shorter where it was given up."""
     mode, u, z = 0, 0.0, 0.0
-    ends, happened = [], []
+    ends, happened, room = [], [], no_events()
     for _ in range(cycles):
-        events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
-        after = cycle(mode, u, z, rows.band[0], rows.play[0], rows.restitution, rows.tables[0], *wave, events)
+        after = cycle(mode, u, z, rows.band[0], rows.play[0], rows.restitution, rows.tables[0], *wave, room[0])
         if after.events < 0:
             break
         mode, u, z = after.mode, after.u, after.z
         ends.append(after)
         n = after.events
-        happened.append(Events(events.phase[:n], events.mode[:n], events.w[:n]))
+        happened.append(Happened(*(room[name][0, :n].copy() for name in ("phase", "mode", "w"))))
     return ends, happened
 
 

@@ -21,8 +21,11 @@ MAX_EVENTS = 512
 CHATTER = 1e-6
 """Rebounds slower than this many waveform velocities end at the wall: what is cut off is below 5e-13 of m V^2."""
 
-NEAR = 3e-6
-"""Halley step, rad, behind which the next would lie below round-off (its cube times the curvature)."""
+NEAR, STRAIGHT = 3e-6, 1e-6
+"""Step, rad, and change of slope over it as a share, behind which the next step would lie below round-off: Halley's
+error is the step times the square of that share. Both are asked for, because Halley's step vanishes with the slope,
+root or not; where the slope changes by more than itself, Newton's step is taken.
+"""
 
 TIGHT = 1e-15
 """Bracket width, rad, at which bisection has nothing left to halve."""
@@ -100,14 +103,16 @@ def _stop(
         else:
             hi = theta
         slope = -band - s * a
-        bent = slope * slope + 0.5 * f * s * jerk
-        new = theta - f * slope / bent if slope < 0.0 and bent > 0.0 else lo - 1.0
-        halley = lo <= new <= hi
-        if not halley:
+        square, bend = slope * slope, 0.5 * f * s * jerk
+        if abs(bend) > 0.5 * square:
+            bend = 0.0
+        new = theta - f * slope / (square + bend) if slope < 0.0 and square > 0.0 else lo - 1.0
+        inside = lo <= new <= hi
+        if not inside:
             new = 0.5 * (lo + hi)
         step = new - theta
         theta = new
-        if halley and abs(step) < NEAR:
+        if inside and abs(step) < NEAR and abs(0.5 * f * jerk) <= STRAIGHT * square:
             x, v = _carried(step, x, v, a, jerk)
             return theta, x, v, n
         if hi - lo < TIGHT:
@@ -139,14 +144,16 @@ def _hit(
             lo = theta
         else:
             hi = theta
-        bent = closing * closing - 0.5 * gap * (s * a + band)
-        new = theta + gap * closing / bent if closing > 0.0 and bent > 0.0 else lo - 1.0
-        halley = lo <= new <= hi
-        if not halley:
+        square, bend = closing * closing, -0.5 * gap * (s * a + band)
+        if abs(bend) > 0.5 * square:
+            bend = 0.0
+        new = theta + gap * closing / (square + bend) if closing > 0.0 and square > 0.0 else lo - 1.0
+        inside = lo <= new <= hi
+        if not inside:
             new = 0.5 * (lo + hi)
         step = new - theta
         theta = new
-        if halley and abs(step) < NEAR:
+        if inside and abs(step) < NEAR and abs(0.5 * gap * (s * a + band)) <= STRAIGHT * square:
             x, v = _carried(step, x, v, a, jerk)
             return theta, x, v, n
         if hi - lo < TIGHT:

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from rig.kernels.row import MAX_EVENTS, Events, Rows, cycle
+from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import HISTORY, find_recurrence
 from rig.kernels.waveform import Array, Ints
 
@@ -33,22 +34,24 @@ class Transient(NamedTuple):
 
 def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
     """Follow rows through their first cycles, more than `HISTORY` of them."""
-    return Transient(*_transient(*rows, P, Q, cycles))
+    return Transient(*_transient(*rows, P, Q, cycles, no_events()))
 
 
 @njit(cache=True, nogil=True)
 def _transient(
-    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, cycles: int
-) -> tuple[Array, Ints, float, Array, Array, int]:
+    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, cycles: int,
+    room: NDArray[np.void],
+) -> tuple[Array, Ints, float, Array, Array, int]:  # fmt: skip
     count = layer.shape[0]
     energy, period = np.zeros(count), np.zeros(count, np.int64)
     total, loose = np.zeros(cycles), np.zeros(cycles)
     work, lost = np.empty(cycles), np.empty(cycles)
     history = np.empty((HISTORY, 3))
-    events = Events(np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), np.empty(MAX_EVENTS))
+    events = room[0]
     early, simulated = 0.0, 0
     for r in range(count):
         i = layer[r]
+        table = tables[i]
         mode, u, z = 0, 0.0, 0.0
         last, back = cycles, 0
         for n in range(cycles):
@@ -58,7 +61,7 @@ def _transient(
                 break
             k = n % HISTORY
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
-            after = cycle(mode, u, z, band[i], play[r], restitution, tables[i], P, Q, events)
+            after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
             if after.events < 0:
                 last, back = n, -1
