@@ -11,11 +11,11 @@ from rig.beds.stack import layer_count, mobile_share, nominal, stack
 from rig.catalog.entries import Rig
 from rig.model import predict
 from rig.scene import Acquire, Condition, Drive, Grains, Scene
-from rig.theory.total import paper_collision, plastic_bound
+from rig.theory.total import AVERAGED_CYCLES, paper_collision, plastic_bound
 
 
-def energy(scene: Scene, rig: Rig, acceleration: float) -> float:
-    return predict(Condition("c", scene, Drive(acceleration=acceleration), Acquire(), ""), rig).W_T
+def energy(scene: Scene, rig: Rig, acceleration: float, cycles: int = AVERAGED_CYCLES) -> float:
+    return predict(Condition("c", scene, Drive(acceleration=acceleration), Acquire(), ""), rig, cycles).W_T
 
 
 def balls(**changes: float) -> Scene:
@@ -23,8 +23,11 @@ def balls(**changes: float) -> Scene:
 
 
 def test_values_of_the_independent_event_driven_check(rig: Rig) -> None:
-    """model.md: .00137, .0092, .0354, .0885, .155 J at 1..5 m/s^2; given to two or three digits."""
-    found = [energy(balls(), rig, a) for a in (1.0, 2.0, 3.0, 4.0, 5.0)]
+    """model.md: .00137, .0092, .0354, .0885, .155 J at 1..5 m/s^2; given to two or three digits.
+
+    Averaged long, because the default of 64 cycles errs by some 0.1 %, which the rounding of .0092 leaves no room for.
+    """
+    found = [energy(balls(), rig, a, 2048) for a in (1.0, 2.0, 3.0, 4.0, 5.0)]
     np.testing.assert_allclose(found, [0.00137, 0.0092, 0.0354, 0.0885, 0.155], rtol=6e-3)
 
 
