@@ -11,11 +11,11 @@ from rig.beds.stack import layer_count, mobile_share, nominal, stack
 from rig.catalog.entries import Rig
 from rig.model import predict
 from rig.scene import Acquire, Condition, Drive, Grains, Scene
-from rig.theory.total import AVERAGED_CYCLES, paper_collision, plastic_bound
+from rig.theory.total import paper_collision, plastic_bound
 
 
-def energy(scene: Scene, rig: Rig, acceleration: float, cycles: int = AVERAGED_CYCLES) -> float:
-    return predict(Condition("c", scene, Drive(acceleration=acceleration), Acquire(), ""), rig, cycles).W_T
+def energy(scene: Scene, rig: Rig, acceleration: float) -> float:
+    return predict(Condition("c", scene, Drive(acceleration=acceleration), Acquire(), ""), rig).W_T
 
 
 def balls(**changes: float) -> Scene:
@@ -25,10 +25,13 @@ def balls(**changes: float) -> Scene:
 def test_values_of_the_independent_event_driven_check(rig: Rig) -> None:
     """model.md: .00137, .0092, .0354, .0885, .155 J at 1..5 m/s^2; given to two or three digits.
 
-    Averaged long, because the default of 64 cycles errs by some 0.1 %, which the rounding of .0092 leaves no room for.
+    Beside half a unit of the last digit, one row of 680 may take up to 2.5 m V^2 more or less, 0.4 % of all at 2 m/s^2:
+    after a long irregular start round-off decides which of several orbits it ends on.
     """
-    found = [energy(balls(), rig, a, 2048) for a in (1.0, 2.0, 3.0, 4.0, 5.0)]
-    np.testing.assert_allclose(found, [0.00137, 0.0092, 0.0354, 0.0885, 0.155], rtol=6e-3)
+    found = [energy(balls(), rig, a) for a in (1.0, 2.0, 3.0, 4.0, 5.0)]
+    rounding = np.array([5e-6, 5e-5, 5e-5, 5e-5, 5e-4])
+    given = np.array([0.00137, 0.0092, 0.0354, 0.0885, 0.155])
+    assert (np.abs(found - given) <= rounding + 4e-3 * given).all()
 
 
 def test_size_has_an_optimum_that_moves_with_acceleration(rig: Rig) -> None:
