@@ -72,7 +72,8 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
     a[I] = 0.0
     left = np.linalg.inv(np.eye(STATES) - 0.5 * h * a)
     phi = left @ (np.eye(STATES) + 0.5 * h * a)
-    thrust, rate = h * left[:, V] / one.plant.box, h * left[:, I]
+    thrust, rate = (np.asarray(h * column, np.float64) for column in (left[:, V] / one.plant.box, left[:, I]))
+    edges = np.asarray(np.arange(steps + 1) * h, np.float64)
     around = Pull(bed.row_mass, 0.0, 0.0, one.plant.box, 0.0, 0.0, 0.0)
     n = bed.band.size
     state = np.zeros(STATES), np.zeros(n), np.zeros(n)
@@ -80,7 +81,7 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
     for cycle in range(CYCLES + TIMED // 2):
         share = min((cycle + 1) / CYCLES, 1.0)
         before = min(cycle / CYCLES, 1.0)
-        told = Command((amplitude * share + 0j,), 20.0).values((amplitude * before + 0j,), np.arange(steps + 1) * h)
+        told = Command((amplitude * share + 0j,), 20.0).values((amplitude * before + 0j,), edges)
         start = time.process_time()
         spent = _moreau(phi, thrust, rate, np.diff(told) / h, around, bed.band, bed.play, h, *state)
         walls.append(time.process_time() - start)

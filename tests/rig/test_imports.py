@@ -38,7 +38,7 @@ HOMES = {
     "h5py": ("daq.session", "daq.formats", "benchmarks.records"),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
-    "matplotlib": ("analysis.figures", "analysis.study_figures", "benchmarks.figures"),
+    "matplotlib": ("analysis.figures", "analysis.study_figures", "benchmarks"),
     "numba": ("daq", "rig.kernels", "benchmarks"),
 }
 """All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
