@@ -26,6 +26,7 @@ BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHO
 OVERLOAD = Flag.OVERLOAD_HI | Flag.OVERLOAD_LO
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
+TRIGGER = "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
@@ -42,10 +43,12 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         raise AnalysisError(f"{run.name} is not complete")
     setting = Setting.of(record.conditions[run.condition])
     force, acceleration = _channel(record, FORCE), _channel(record, ACCELERATION)
+    scalars = record.scalars(run.name)
+    phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
     try:
         window = whole_cycles(
             run.samples, run.rate, setting.frequency,
-            filter_delay=force.filter_delay, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
+            filter_delay=force.filter_delay + phase, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
         )  # fmt: skip
     except ValueError as error:
         raise AnalysisError(f"{run.name}: {error}") from error
@@ -67,7 +70,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
             box_mass=setting.box_mass,
         )  # fmt: skip
         parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
-    energy, scalars = combined(parts), record.scalars(run.name)
+    energy = combined(parts)
     samples = round(energy.cycles * window.grid.period)
     wanted = int(setting.record_cycles)
     short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()

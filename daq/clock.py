@@ -1,9 +1,11 @@
 """Pacing: the sample index is the only clock; wall time is a wrapper that waits for it and fails when late."""
 
+import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
-__all__ = ["Overrun", "Pacer"]
+__all__ = ["NEVER_LATE", "Overrun", "Pacer", "Punctuality"]
 
 
 class Overrun(Exception):
@@ -20,11 +22,43 @@ class Overrun(Exception):
         )
 
 
+@dataclass(frozen=True)
+class Punctuality:
+    """How late blocks came, wall seconds after their deadlines: `count` of them, `total` and `squares` their sums,
+    `worst` the latest."""
+
+    count: int = 0
+    total: float = 0.0
+    squares: float = 0.0
+    worst: float = 0.0
+
+    @property
+    def mean(self) -> float:
+        """Mean lateness, s."""
+        return self.total / self.count if self.count else 0.0
+
+    @property
+    def jitter(self) -> float:
+        """Standard deviation of the lateness, s."""
+        return math.sqrt(max(self.squares / self.count - self.mean**2, 0.0)) if self.count else 0.0
+
+    def __add__(self, other: "Punctuality") -> "Punctuality":
+        """Both together."""
+        return Punctuality(
+            self.count + other.count, self.total + other.total, self.squares + other.squares,
+            max(self.worst, other.worst),
+        )  # fmt: skip
+
+
+NEVER_LATE = Punctuality()
+
+
 class Pacer:
     """Holds a stream of samples to wall time.
 
     rate: samples per second of rig time. speed: rig seconds per wall second, None for as fast as possible. margin:
-    seconds that a sample may come late. clock, sleep: seconds, monotonic; replaceable for tests.
+    seconds that a sample may come late. clock, sleep: seconds, monotonic; replaceable for tests. `punctuality`: how
+    late the samples came that were waited for.
     """
 
     def __init__(
@@ -42,6 +76,7 @@ class Pacer:
         self._clock = clock
         self._sleep = sleep
         self._start: float | None = None
+        self.punctuality = NEVER_LATE
 
     def wait(self, sample_index: int) -> None:
         """Return when the wall time of `sample_index` has come; time 0 is the first call's. Raises Overrun when late.
@@ -53,8 +88,11 @@ class Pacer:
         now = self._clock()
         if self._start is None:
             self._start = now - sample_index * self._per_sample
-        remaining = self._start + sample_index * self._per_sample - now
-        if remaining > 0:
-            self._sleep(remaining)
-        elif -remaining > self._margin:
-            raise Overrun(sample_index, -remaining, self._margin)
+        deadline = self._start + sample_index * self._per_sample
+        if deadline > now:
+            self._sleep(deadline - now)
+            now = self._clock()
+        late = max(now - deadline, 0.0)
+        self.punctuality += Punctuality(1, late, late * late, late)
+        if late > self._margin:
+            raise Overrun(sample_index, late, self._margin)

@@ -161,6 +161,9 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
         if coupling != "DC" and spec is not None and drive.frequency < spec.ac_corner:
             found = f"{coupling} with a drive at {drive.frequency:g} Hz"
             yield Conflict((path, "drive.frequency"), found, f"DC below the coupling's corner, {spec.ac_corner:g} Hz")
+    if acquire.trigger.channel in ("current", "voltage") and not acquire.exciter_channels:
+        allowed = "none, force, acceleration; current and voltage with acquire.exciter_channels: true"
+        yield Conflict(("acquire.trigger.channel", "acquire.exciter_channels"), acquire.trigger.channel, allowed)
     for name in (item.name for item in fields(acquire.ranges)):
         volts = getattr(acquire.ranges, name)
         if volts == "auto" and drive.mode == "coupled":

@@ -52,12 +52,15 @@ def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]
 
 
 def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -> Lengths:
-    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle that were asked for."""
+    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle that were asked for; a
+    cycle more where a trigger starts the record anywhere in one."""
     acquire, drive = condition.acquire, condition.drive
     rate = analyzer.rate_for(drive.frequency, acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency
     settle = math.floor(acquire.settle * per_cycle + filter_delay)
     samples = math.ceil((acquire.settle + acquire.record) * per_cycle + filter_delay) + 1
+    if acquire.trigger.channel != "none":
+        samples += math.ceil(per_cycle)  # whole cycles from the first that starts after the record
     return Lengths(rate, settle, samples, (*_pieces(settle), *_pieces(samples - settle)))
 
 

@@ -159,6 +159,19 @@ class Ranges:
 
 
 @dataclass(frozen=True)
+class Trigger:
+    """What starts a record: a channel ("none": the drive's own start) that passes a level, a share of its range; what
+    is kept from before; how long it is waited for. "edge": coming from the other side; "level": being beyond."""
+
+    channel: Literal["none", "force", "acceleration", "current", "voltage"] = "none"
+    level: Annotated[float, Quantity("number", -1.0, 1.0)] = 0.1
+    slope: Literal["rising", "falling"] = "rising"
+    kind: Literal["edge", "level"] = "edge"
+    before: Annotated[int, Quantity("samples", 0, 1000000)] = 0
+    patience: Annotated[int, Quantity("cycles", 1, 1000000)] = 100
+
+
+@dataclass(frozen=True)
 class Acquire:
     """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record; whether coil current
     and drive voltage are recorded beside force and acceleration. `effects`: what else of the sensors' sheets is
@@ -174,6 +187,7 @@ class Acquire:
     coupling: Coupling = Coupling()
     ranges: Ranges = Ranges()
     effects: Annotated[tuple[str, ...], OneOf(EFFECTS)] = ()
+    trigger: Trigger = Trigger()
 
 
 @dataclass(frozen=True)

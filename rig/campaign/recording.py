@@ -2,25 +2,37 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import AnalysisError, RunEnergy, run_energy
-from daq.block import Block
+from daq.block import Block, Flag
+from daq.clock import NEVER_LATE, Punctuality
 from daq.session import Record, Recorder
+from rig.campaign.watching import Look, Watcher
 
 
 @dataclass(frozen=True)
 class Part:
-    """A block of a run, with the ledger rows that belong to it; the last of a run brings its scalars and flags."""
+    """A block of a run, with the ledger rows that belong to it; the last of a run brings its scalars and flags, and how
+    late its blocks came."""
 
     run: str
     block: Block
     ledger: NDArray[np.float64]
     scalars: Mapping[str, float] | None = None
     flags: int = 0
+    punctuality: Punctuality = NEVER_LATE
+
+    def ended(self, punctuality: Punctuality) -> "Part":
+        """With how late the run's blocks came, where it is the last of the run."""
+        return self if self.scalars is None else replace(self, punctuality=punctuality)
+
+    def late(self) -> "Part":
+        """The part as it is recorded where it came too late: flagged, and the run not complete."""
+        return replace(self, block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)), scalars=None)
 
 
 @dataclass(frozen=True)
@@ -32,6 +44,7 @@ class Progress:
     energy: RunEnergy | None
     done: int
     total: int
+    punctuality: Punctuality = NEVER_LATE
 
 
 Watch = Callable[[Progress], None]
@@ -50,26 +63,33 @@ class Analysis:
         self._done = done
         self.energies: dict[str, RunEnergy] = {}
 
-    def add(self, name: str) -> None:
-        """A run is complete."""
+    def add(self, part: Part) -> None:
+        """A run is complete: its last part."""
+        name = part.run
         run = self._record.run(name)
         with suppress(AnalysisError):  # read_session lists it with the reason
             self.energies[name] = run_energy(self._record, run)
         self._done += 1
-        self._watch(Progress(name, run.condition, self.energies.get(name), self._done, len(self._runs)))
+        energy, total = self.energies.get(name), len(self._runs)
+        self._watch(Progress(name, run.condition, energy, self._done, total, part.punctuality))
 
 
-def record_parts(recorder: Recorder, parts: Iterable[Part], watch: Watch) -> dict[str, RunEnergy]:
-    """Write parts, each run's in order; energies by run name, as read back from the record."""
+def record_parts(
+    recorder: Recorder, parts: Iterable[Part], watch: Watch, look: Callable[[Look], None] | None = None
+) -> dict[str, RunEnergy]:
+    """Write parts, each run's in order; energies by run name, as read back from the record; `look` hears of blocks."""
     cycles: dict[str, int] = {}
+    watcher = None if look is None else Watcher(recorder.record(), look)
     analysis = Analysis(recorder.record(), watch, len(recorder.completed()))
     for part in parts:
         recorder.append(part.run, part.block)
+        if watcher is not None:
+            watcher.hear(part.run, part.block)
         if part.ledger.size:
             first = cycles.get(part.run, 0)
             recorder.write_ledger(part.run, first, part.ledger)
             cycles[part.run] = first + len(part.ledger)
         if part.scalars is not None:
             recorder.finish(part.run, part.scalars, part.flags)
-            analysis.add(part.run)
+            analysis.add(part)
     return analysis.energies

@@ -1,6 +1,6 @@
 """A recorded session once more: its blocks take the road of `run`, from the acquisition to the report."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from daq.replay import Replayed
 from daq.session import Record, Recorder, open_session
 from daq.session_copy import plan_of
 from rig.campaign.recording import Analysis, Part, Watch, record_parts
+from rig.campaign.watching import Look, Watcher
 from rig.provenance import replay_provenance
 
 
@@ -23,6 +24,7 @@ def replay(
     overwrite: bool = False,
     progress: Watch = lambda _: None,
     patience: float | None = None,
+    look: Callable[[Look], None] | None = None,
 ) -> dict[str, Any]:
     """Feed a session's blocks through recorder and analysis; returns the report.
 
@@ -34,14 +36,17 @@ def replay(
         parts = recorded(record, speed)
         if out is None:
             analysis = Analysis(record, progress, done=0)
+            watcher = None if look is None else Watcher(record, look)
             for part in parts:
+                if watcher is not None:
+                    watcher.hear(part.run, part.block)
                 if part.scalars is not None:
-                    analysis.add(part.run)
+                    analysis.add(part)
             return read_session(record, analysis.energies)
         plan = plan_of(record, replay=replay_provenance(speed))
         out.mkdir(parents=True, exist_ok=True)
         with Recorder.create(out / "session.h5", plan, overwrite) as recorder:
-            energies = record_parts(recorder, parts, progress)
+            energies = record_parts(recorder, parts, progress, look)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
@@ -56,7 +61,8 @@ def recorded(record: Record, speed: float | None) -> Iterator[Part]:
             block = acquisition.read(samples)
             pacer.wait(block.start + block.count)
             last = info.complete and block.start + block.count == info.samples
-            yield Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+            part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+            yield part.ended(pacer.punctuality)
             rows = rows[:0]
 
 

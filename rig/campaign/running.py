@@ -4,6 +4,7 @@ The calling thread writes what the workers compute and analyses each run as soon
 not grow with the length of a record and nothing depends on the number of workers.
 """
 
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from daq.session import Recorder, open_session
 from rig.campaign.recording import Watch, record_parts
 from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign
+from rig.campaign.watching import Look
 from rig.campaign.workers import workers as started
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
@@ -28,12 +30,14 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
+    look: Callable[[Look], None] | None = None,
 ) -> dict[str, Any]:
     """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
     returns the report.
 
     `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
-    The workers are at it while the predictions are made and the session file is built.
+    `progress` is told of every run, `look` of every block. The workers are at it while the predictions are made and the
+    session file is built.
     """
     if isinstance(campaign, Protocol):
         campaign = Campaign.of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
@@ -50,7 +54,7 @@ def run(
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
         with recorder:
-            energies = record_parts(recorder, parts, progress)
+            energies = record_parts(recorder, parts, progress, look)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report

@@ -4,6 +4,7 @@ from dataclasses import asdict
 
 from daq.frontend import FILTER_DELAY
 from daq.session import RunPlan, SessionPlan
+from rig.campaign.beginning import NAMES as TRIGGER
 from rig.campaign.dwelling import LEVEL_SCALARS
 from rig.campaign.fidelity import choices_document, choices_text
 from rig.campaign.practice import told
@@ -58,7 +59,10 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         },
         ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
-        scalars=(*SCALARS, *(LEVEL_SCALARS if campaign.coupled else ()), *(NAMES if campaign.recorded else ())),
+        scalars=(
+            *SCALARS, *(LEVEL_SCALARS if campaign.coupled else ()), *(TRIGGER if campaign.triggered else ()),
+            *(NAMES if campaign.recorded else ()),
+        ),
     )  # fmt: skip
 
 

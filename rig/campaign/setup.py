@@ -16,6 +16,7 @@ from daq.source import PhysicalSource
 from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
+from rig.campaign.beginning import Beginning
 from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
 from rig.campaign.faults import with_faults
 from rig.campaign.fidelity import chosen
@@ -104,6 +105,11 @@ class Campaign:
         causes apart."""
         return self.ablate or self.coupled
 
+    @property
+    def triggered(self) -> bool:
+        """Whether a trigger starts the record of any condition."""
+        return any(condition.acquire.trigger.channel != "none" for condition in self.conditions)
+
     def motion(self, run: Run) -> Waveform:
         """The motion that the servo reaches in a run, on the analyzer's clock."""
         drive = run.condition.drive
@@ -143,20 +149,21 @@ class Campaign:
         road: Servo | Coupled = Coupled(self, run) if run.condition.drive.mode == "coupled" else Servo(self, run)
         steady = self._acquisition(run, road.source)
         lead = road.lead(steady, size.rate / run.condition.drive.frequency)
-        acquisition = with_faults(steady, self.protocol, run, self.instruments, size, lead)
+        faulty = with_faults(steady, self.protocol, run, self.instruments, size, lead)
+        beginning = Beginning(faulty, run, size, lead)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         listener = self._listener(run)
         for number, samples in enumerate(size.blocks):
-            block = acquisition.read(samples)
-            block = replace(block, start=block.start - lead) if lead else block
+            block = beginning.read(samples)
             if listener is not None:
                 listener.hear(block)
-            rows = road.ledger()[:wanted]
+            rows = beginning.of_record(road.ledger())[:wanted]
             wanted -= len(rows)
             if number < len(size.blocks) - 1:
                 yield Part(run.name, block, rows)
             else:
-                yield Part(run.name, block, rows, road.scalars() | (listener.scalars() if listener else {}))
+                found = [road.scalars(), beginning.scalars() if self.triggered else {}]
+                yield Part(run.name, block, rows, {**found[0], **found[1], **(listener.scalars() if listener else {})})
 
     def _acquisition(self, run: Run, source: PhysicalSource) -> Emulated:
         """Transducers and front end of a run."""

@@ -90,8 +90,12 @@ def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any
             run = waiting[number]
             pacer = Pacer(campaign.lengths[run.condition.id].rate, speed)
             for part in campaign.parts(run):
-                pacer.wait(part.block.start + part.block.count)
-                _deliver(ready, part)
+                try:
+                    pacer.wait(part.block.start + part.block.count)
+                except Overrun:
+                    _deliver(ready, part.late())
+                    raise
+                _deliver(ready, part.ended(pacer.punctuality))
         _deliver(ready, None)
     except KeyboardInterrupt:
         os._exit(1)

@@ -6,7 +6,7 @@ from pathlib import Path
 from analysis.runs import Setting
 from daq.session import Record
 from rig.campaign import replay
-from rig.cli.live import Line, live_view
+from rig.cli.live import Line, live_view, timing
 from rig.cli.output import PASSES, print_json, print_result
 from rig.cli.run import check_folder
 from rig.cli.sessions import session_file
@@ -25,7 +25,9 @@ def replay_session(session: Path, out: Path | None, speed: float | None, force: 
     with open_watched(path) as record:
         lines = lines_of_record(record)
     with live_view(lines, terminal(stderr=True, quiet=as_json)) as view:
-        report = replay(path, out, speed, force, view.step, PATIENCE)
+        report = replay(path, out, speed, force, view.step, PATIENCE, view.look if view.looks else None)
+    if timing(view):
+        terminal(stderr=True, quiet=as_json).print(timing(view))
     if as_json:
         print_json(report)
     elif out is None:

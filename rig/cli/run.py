@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rig.campaign import Campaign
 from rig.campaign import run as run_campaign
-from rig.cli.live import lines_of, live_view
+from rig.cli.live import lines_of, live_view, timing
 from rig.cli.output import PASSES, cores, print_json, print_result
 from rig.cli.tables import terminal
 from rig.errors import InputError, Mistake
@@ -22,7 +22,10 @@ def run_protocol(
     if strict:
         _refuse_beyond(campaign, count)
     with live_view(lines_of(campaign), console) as view:
-        report = run_campaign(campaign, out, count, speed, resume, force, view.step)
+        look = view.look if view.looks else None
+        report = run_campaign(campaign, out, count, speed, resume, force, view.step, look)
+    if timing(view):
+        console.print(timing(view))
     if as_json:
         print_json(report)
     else:

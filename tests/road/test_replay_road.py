@@ -8,6 +8,7 @@ import pytest
 from small_protocol import SMALL, Rig
 
 from daq import open_session
+from daq.clock import NEVER_LATE
 from daq.session import Recorder
 from daq.session_copy import plan_of
 from rig.campaign import Campaign, replay, run
@@ -104,6 +105,7 @@ def test_every_block_waits_for_its_time(session: Path, monkeypatch: pytest.Monke
     class Waiting:
         def __init__(self, rate: float, speed: float | None) -> None:
             self.pace = (rate, speed)
+            self.punctuality = NEVER_LATE
 
         def wait(self, sample: int) -> None:
             waited.append((*self.pace, sample))
