@@ -89,7 +89,7 @@ def test_nothing_to_trigger_is_told(tmp_path: Path) -> None:
 
 
 def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A million times the speed, no margin: the first late block is recorded with its flag, the run stays incomplete."""
+    """A million times the speed, no margin: the first late block is recorded with its flag, the run is incomplete."""
     made = campaign(*ONE, "acquire.record=400 cycles")
     with monkeypatch.context() as patched:
         patched.setattr("rig.campaign.workers.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
@@ -100,7 +100,7 @@ def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeyp
         assert not info.complete
         assert info.flags & Flag.OVERRUN
     report = run(made, tmp_path, resume=True)
-    assert all(entry["flags"] == [] for c in report["conditions"] for entry in c["runs"])
+    assert not any("overrun" in entry["flags"] for c in report["conditions"] for entry in c["runs"])
 
 
 def test_the_terminal_shows_levels_lamps_and_energies(tmp_path: Path) -> None:
