@@ -29,6 +29,15 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         print_json({"conditions": rows, **{k: v for k, v in totals.items() if k != "stand_time_s"}})
     else:
         _print_outlook(outlooks, totals)
+        used = {
+            "force": max(o.range_force for o in outlooks),
+            "acceleration": max(o.range_acceleration for o in outlooks),
+        }
+        told = (
+            f"{c.name} {c.range_V:g} V" + (f" ({used[c.name]:.2f} used)" if c.name in used else "")
+            for c in campaign.instruments.channels
+        )
+        terminal().print(f"ranges: {', '.join(told)}")
         if campaign.choices:
             _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
