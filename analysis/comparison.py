@@ -12,7 +12,7 @@ from analysis.estimate import Estimate
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
-from analysis.ratio import energy_ratio, propagated, recorded_ratio
+from analysis.ratio import energy_ratio, line_through, recorded_ratio
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.verdict import CHAIN_SHARE, verdict
@@ -172,23 +172,24 @@ def _run_row(run: RunEnergy) -> dict[str, Any]:
 
 
 def _agreement(results: Sequence[Result]) -> dict[str, Any]:
-    """Energy-weighted ratio, slope through the origin, mean offset; errors common to all conditions stay common."""
+    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay common."""
     ratio, recorded = energy_ratio(results), recorded_ratio(results)
     on_record = {
         "ratio_recorded": recorded.value if recorded else None, "U_ratio_recorded": recorded.U if recorded else None,
     }  # fmt: skip
     if ratio is None:
-        names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "mean_offset", "put_in")
+        names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "line", "mean_offset", "put_in")
         return dict.fromkeys(names, None) | {"n": 0} | on_record
     told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
-    total, square = math.fsum(w for _, w in told), math.fsum(w * w for _, w in told)
-    slope = math.fsum(r.W_exp.value * w for r, w in told) / square
-    slope_e = propagated(slope, [(r, w / square, (r.W_exp.value - 2 * slope * w) / square) for r, w in told])
     offsets = [r.W_exp.value / w - 1 for r, w in told if r.comparable]
+    comparable = [r for r in results if r.comparable]
+    slope, line = line_through(comparable, origin=True), line_through(comparable)
     return {
-        "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu, "slope": slope, "U_slope": slope_e.U,
+        "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu,
+        "slope": slope.slope.value if slope else None, "U_slope": slope.slope.U if slope else None,
+        "line": line.row() if line else None,
         "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
-        "put_in": _put_in([r for r, _ in told], total), **on_record,
+        "put_in": _put_in([r for r, _ in told], math.fsum(w for _, w in told)), **on_record,
     }  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from analysis.uncertainty import (
     angle_uncertainty,
     certificate_lines,
     combine,
+    difference_parts,
     numerics_line,
     resolution_lines,
     scatter_line,
@@ -36,7 +37,8 @@ class Result:
     W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
     detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
-    W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms.
+    W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
+    (W_exp, W_T) of each run, J per cycle; empty without a prediction.
     """
 
     setting: Setting
@@ -51,6 +53,7 @@ class Result:
     coil: Estimate | None = None
     coil_apart: Estimate | None = None
     recorded: Recorded | None = None
+    pairs: tuple[tuple[float, float], ...] = ()
 
     @property
     def comparable(self) -> bool:
@@ -71,7 +74,7 @@ def evaluate(
     n = len(runs)
     W = math.fsum(run.energy.W for run in runs) / n
     reactive = math.fsum(run.energy.reactive for run in runs) / n
-    predicted, u_rel = _predicted(runs, entry)
+    predicted, totals, u_rel = _predicted(runs, entry)
     W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
     # A condition measured once has no scatter: the instruments' noise stands in for it.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
@@ -92,6 +95,7 @@ def evaluate(
     scatter = scatter_line([run.energy.W for run in runs]) or noise_line
     lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
+    pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
     return Result(
@@ -100,20 +104,24 @@ def evaluate(
         lines=lines,
         W_exp=combine(W, [(line.part, line.nu) for line in lines]),
         W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
-        difference=None if W_T is None else combine(W - W_T, [(line.part - line.part_T, line.nu) for line in lines]),
+        difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
         chain=_chain(W, runs, (*noise_line, *certified)),
         detect=abs(reactive) * angle.U,
         predicted=predicted,
         coil=by_coil[0],
         coil_apart=by_coil[1],
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
+        pairs=pairs,
     )
 
 
-def _predicted(runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None) -> tuple[dict[str, float | None], float]:
-    """Means over the runs of what is predicted at each run's measured acceleration, and its relative numerics u."""
+def _predicted(
+    runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
+) -> tuple[dict[str, float | None], list[float], float]:
+    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the relative
+    standard uncertainty of its numerics."""
     if entry is None:
-        return {}, 0.0
+        return {}, [], 0.0
     prediction = Prediction.of(entry)
     levels = [run.energy.level for run in runs]
     curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
@@ -121,7 +129,7 @@ def _predicted(runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None) -> tu
         name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
     }
     values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
-    return {**values, **prediction.extra}, prediction.u_rel
+    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], prediction.u_rel
 
 
 def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:

@@ -3,13 +3,37 @@
 import math
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate
 from analysis.recorded import Recorded
-from analysis.uncertainty import combine
+from analysis.straight_line import fitted
+from analysis.uncertainty import RESOLUTION, SCATTER, combine, own_parts
 
-__all__ = ["energy_ratio", "propagated", "recorded_ratio"]
+__all__ = ["Fit", "energy_ratio", "line_through", "propagated", "recorded_ratio"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Straight line through W_exp against W_T. slope: 1; intercept: J per cycle; chi2 of dof degrees of freedom."""
+
+    slope: Estimate
+    intercept: Estimate
+    chi2: float
+    dof: int
+
+    def row(self) -> dict[str, float | int]:
+        """The report's entry."""
+        return {
+            "slope": self.slope.value, "U_slope": self.slope.U, "intercept": self.intercept.value,
+            "U_intercept": self.intercept.U, "chi2": self.chi2, "dof": self.dof,
+        }  # fmt: skip
 
 
 def energy_ratio(results: Sequence[Result]) -> Estimate | None:
@@ -35,17 +59,82 @@ def recorded_ratio(results: Sequence[Result]) -> Estimate | None:
 def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, float]]) -> Estimate:
     """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
 
-    Lines of a source that is shared between conditions add with their signs; the others add in quadrature.
+    Lines of a source that is shared between conditions add with their signs; the others add in quadrature, and so does
+    the scatter between a condition's runs, of the very combination that is asked for.
     """
     shared: dict[str, float] = defaultdict(float)
     nu: dict[str, float] = {}
     parts: list[tuple[float, float]] = []
     for result, d_exp, d_T in weights:
-        for line in result.lines:
-            part = d_exp * line.part + d_T * line.part_T
-            if line.shared:
-                shared[line.source] += part
-                nu[line.source] = line.nu
-            else:
-                parts.append((part, line.nu))
+        parts += own_parts(result.lines, result.pairs, d_exp, d_T)
+        for line in (line for line in result.lines if line.shared):
+            shared[line.source] += d_exp * line.part + d_T * line.part_T
+            nu[line.source] = line.nu
     return combine(value, [*parts, *((part, nu[source]) for source, part in shared.items())])
+
+
+def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
+    """Line through W_exp against W_T of conditions, errors in both, common calibration kept common; through the origin
+    where asked for. None for fewer than two conditions (and a point more than parameters), or one W_T in all of them.
+
+    The covariance weighs the points; the uncertainty is that of the budget, propagated through the fit. Scatter is
+    pooled over the conditions as a relative one: a weight from four runs of its own would be noise. Parts of W_exp are
+    taken at the ratio of the energies and not at each W_exp, which would give points that came out low more weight and
+    pull the slope down (Peelle's puzzle; D'Agostini, Nucl. Instrum. Methods A 346, 306 (1994)).
+    """
+    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
+    if len(told) < (2 if origin else 3):
+        return None
+    x, y = np.array([w for _, w in told]), np.array([r.W_exp.value for r, _ in told])
+    if np.ptp(x) <= RESOLUTION * x.max():
+        return None
+    V_x, V_y, V_xy = _covariances([r for r, _ in told], x, y)
+    try:
+        found = fitted(x, y, V_x, V_y, V_xy, origin)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    rows = list(zip((r for r, _ in told), found.to_y, found.offset_to_y, strict=True))
+    return Fit(
+        propagated(found.slope, [(r, float(d), -found.slope * float(d)) for r, d, _ in rows]),
+        propagated(found.intercept, [(r, float(d), -found.slope * float(d)) for r, _, d in rows]),
+        found.chi2,
+        found.dof,
+    )
+
+
+def _covariances(results: Sequence[Result], x: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Covariances of the W_T (x), of the W_exp (y) and of the first with the second; J^2."""
+    expected = y.sum() / x.sum() * x
+    V_x, V_y, V_xy = np.zeros((3, x.size, x.size))
+    common: dict[str, Array] = defaultdict(lambda: np.zeros((2, x.size)))
+    for i, result in enumerate(results):
+        V_y[i, i] += (RESOLUTION * expected[i]) ** 2
+        for line in result.lines:
+            parts = np.array([line.part_T, line.part * expected[i] / y[i]])
+            if line.shared:
+                common[line.source][:, i] += parts
+            elif line.source != SCATTER:
+                V_x[i, i] += parts[0] ** 2
+                V_y[i, i] += parts[1] ** 2
+                V_xy[i, i] += parts[0] * parts[1]
+    for of_x, of_y in common.values():
+        V_x += np.outer(of_x, of_x)
+        V_y += np.outer(of_y, of_y)
+        V_xy += np.outer(of_x, of_y)
+    relative = _pooled(results)
+    runs = np.array([len(result.runs) for result in results])
+    V_x += np.diag(relative[0, 0] * x * x / runs)
+    V_y += np.diag(relative[1, 1] * expected * expected / runs)
+    V_xy += np.diag(relative[0, 1] * x * expected / runs)
+    return V_x, V_y, V_xy
+
+
+def _pooled(results: Sequence[Result]) -> Array:
+    """Covariance of a run's (W_T, W_exp), relative to their means, pooled over conditions; zeros for single runs."""
+    total, nu = np.zeros((2, 2)), 0
+    for result in results:
+        pairs = np.array(result.pairs)[:, ::-1]
+        apart = pairs / pairs.mean(axis=0) - 1
+        total += apart.T @ apart
+        nu += len(pairs) - 1
+    return total / nu if nu else total

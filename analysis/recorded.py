@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from analysis.estimate import Estimate
 from analysis.runs import RunEnergy
-from analysis.uncertainty import Line, combine
+from analysis.uncertainty import Line, combine, difference_parts
 
 __all__ = ["Recorded", "on_recorded"]
 
@@ -19,11 +19,12 @@ EXPONENT = (
 @dataclass(frozen=True, eq=False)
 class Recorded:
     """W_T: mean over the runs of W_T on each one's waveform; difference: W_exp - W_T. J per cycle. lines: the budget,
-    c_T being the derivatives of this W_T."""
+    c_T being the derivatives of this W_T. pairs: (W_exp, W_T) of each run."""
 
     W_T: Estimate
     difference: Estimate
     lines: tuple[Line, ...]
+    pairs: tuple[tuple[float, float], ...]
 
 
 def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], exponent: float | None) -> Recorded | None:
@@ -36,6 +37,7 @@ def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], expo
     if len(known) < len(runs):
         return None
     W_T = math.fsum(known) / len(known)
+    pairs = tuple(zip((run.energy.W for run in runs), known, strict=True))
     n = EXPONENT if exponent is None else exponent
     own = [
         replace(line, c_T=n * W_T if line.source in ("acceleration sensitivity", "acceleration gain") else 0.0)
@@ -47,6 +49,7 @@ def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], expo
     own.append(Line("prediction numerics", "1", NUMERICS / math.sqrt(len(known)), math.inf, 0.0, W_T, shared=False))
     return Recorded(
         W_T=combine(W_T, [(line.part_T, line.nu) for line in own]),
-        difference=combine(W - W_T, [(line.part - line.part_T, line.nu) for line in own]),
+        difference=combine(W - W_T, difference_parts(own, pairs)),
         lines=tuple(own),
+        pairs=pairs,
     )

@@ -15,9 +15,11 @@ from analysis.estimate import Estimate, effective_dof
 from analysis.runs import ChannelFacts
 
 __all__ = [
-    "Line", "angle_uncertainty", "certificate_lines", "combine", "noise_at", "noise_of", "numerics_line",
-    "resolution_lines", "scatter_line",
+    "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "noise_at", "noise_of",
+    "numerics_line", "own_parts", "resolution_lines", "scatter_line",
 ]  # fmt: skip
+
+SCATTER = "scatter between runs"
 
 CERTIFICATE_NU = 50.0  # degrees of freedom of a calibration certificate that states k = 2
 RESOLUTION = 1e-4  # relative standard uncertainty of the arithmetic (interpolation, filter ripple, window edges)
@@ -159,7 +161,28 @@ def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:
         return ()
     mean = math.fsum(values) / n
     s = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1))
-    return (Line("scatter between runs", "J", s / math.sqrt(n), float(n - 1), 1.0, shared=False),)
+    return (Line(SCATTER, "J", s / math.sqrt(n), float(n - 1), 1.0, shared=False),)
+
+
+def own_parts(
+    lines: Iterable[Line], pairs: Sequence[tuple[float, float]], d_exp: float = 1.0, d_T: float = -1.0
+) -> list[tuple[float, float]]:
+    """Parts (standard uncertainty, nu) of d_exp W_exp + d_T W_T that are a condition's own, from its budget.
+
+    pairs: (W_exp, W_T) of each run, J. A run's level moves both, so that their scatter is that of the combination, run
+    by run (GUM 5.2.3), and not that of W_exp alone.
+    """
+    parts = [
+        (d_exp * line.part + d_T * line.part_T, line.nu)
+        for line in lines
+        if not line.shared and line.source != SCATTER
+    ]  # fmt: skip
+    return parts + [(line.u, line.nu) for line in scatter_line([d_exp * W + d_T * W_T for W, W_T in pairs])]
+
+
+def difference_parts(lines: Sequence[Line], pairs: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Parts (standard uncertainty, nu) of a condition's W_exp - W_T; pairs: see own_parts."""
+    return [*((line.part - line.part_T, line.nu) for line in lines if line.shared), *own_parts(lines, pairs)]
 
 
 def noise_of(energy: Energy, force: ChannelFacts, acceleration: ChannelFacts, samples: int) -> float:

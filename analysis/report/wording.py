@@ -69,8 +69,10 @@ def headline(report: Report) -> str:
     margin = f" ± {amount[1]} %" if len(amount) > 1 else ""
     text = (
         f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found['k']:.2f}, {nu} degrees of freedom), weighted with "
-        f"energy; slope through the origin {with_U(found['slope'], found['U_slope']).text}."
+        "energy"
     )
+    slope = f"; slope through the origin {with_U(found['slope'], found['U_slope']).text}" if found["slope"] else ""
+    text += f"{slope}."
     if found["put_in"] is not None:
         text += f" The rig file put in {significant(100 * found['put_in'], 2)} % of W_T as losses of the box."
     if found["mean_offset"] is not None:

@@ -24,6 +24,7 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c"):
         lines=lines,
         W_exp=combine(mean, [(line.part, line.nu) for line in lines]),
         W_T=None if W_T is None else Estimate(W_T, 0.0, math.inf),
+        pairs=() if W_T is None else tuple((w, W_T) for w in W),
         detect=1e-6,
     )
 

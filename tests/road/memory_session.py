@@ -1,0 +1,133 @@
+"""Sessions in memory: stand, transducers, front end and codes as in a campaign, read by the analysis without a file."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from daq.channel import ChannelInfo
+from daq.frontend import FILTER_DELAY
+from rig.campaign.setup import Campaign
+from rig.catalog import load_rig
+from rig.catalog.entries import Rig
+from rig.plan import Run, condition_facts, prediction_document, predictions
+from rig.protocol import load_protocol
+from rig.scene import Protocol
+
+DTYPE = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (2,)), ("clipped", "<u4", (2,))]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What all sessions of a coverage study share: the protocol with its rig, W_T as plain numbers, and the conditions'
+    facts; only the seed differs."""
+
+    protocol: Protocol
+    rig: Rig
+    prediction: Mapping[str, Any]
+    conditions: Mapping[str, Mapping[str, Any]]
+
+    @classmethod
+    def of(cls, text: str) -> "Plan":
+        protocol = load_protocol(text)
+        rig = load_rig(protocol.rig)
+        campaign = Campaign.of(protocol, rig)
+        found = predictions(campaign.conditions, rig, 1)
+        facts = (condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions)
+        return cls(protocol, rig, prediction_document(found), {fact["id"]: fact for fact in facts})
+
+    def session(self, seed: int) -> "MemoryRecord":
+        """A session with its own instruments, fillings, levels and noise."""
+        campaign = Campaign.of(replace(self.protocol, seed=seed), self.rig)
+        return MemoryRecord(self, campaign)
+
+
+@dataclass(frozen=True)
+class MemoryRun:
+    name: str
+    condition: str
+    repeat: int
+    order: int
+    samples: int
+    rate: float
+    complete: bool = True
+    flags: int = 0
+
+
+@dataclass(frozen=True)
+class Samples:
+    samples: np.ndarray
+    flags: int
+
+
+@dataclass(frozen=True)
+class MemoryTruth:
+    ledgers: Mapping[str, np.ndarray]
+    columns: tuple[str, ...]
+    documents: Mapping[str, Any]
+
+    def ledger(self, run: str) -> tuple[tuple[str, ...], np.ndarray]:
+        return self.columns, self.ledgers[run]
+
+    def document(self, name: str) -> Any:
+        return self.documents.get(name)
+
+
+class MemoryRecord:
+    """The record API (analysis.runs.Record) over the codes that a campaign delivers."""
+
+    synthetic = True
+
+    def __init__(self, plan: Plan, campaign: Campaign) -> None:
+        tools = campaign.instruments
+        self.conditions = plan.conditions
+        self._prediction = plan.prediction
+        self._codes: dict[str, np.ndarray] = {}
+        self._blocks: dict[str, np.ndarray] = {}
+        self._scalars: dict[str, Mapping[str, float]] = {}
+        ledgers = {}
+        for run in campaign.runs:
+            ledgers[run.name] = self._recorded(campaign, run)
+        self.channels: dict[str, ChannelInfo] = {
+            info.name: info for info in tools.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
+        }
+        self.runs = tuple(
+            MemoryRun(
+                run.name, run.condition.id, run.repeat, run.order, self._codes[run.name].shape[1],
+                campaign.lengths[run.condition.id].rate,
+            )
+            for run in campaign.runs
+        )  # fmt: skip
+        states = {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)}
+        documents = {"instruments": states, "clock": {"error": tools.clock_error}}
+        self.truth = MemoryTruth(ledgers, campaign.ledger_columns, documents)
+
+    def _recorded(self, campaign: Campaign, run: Run) -> np.ndarray:
+        """Codes and blocks of a run are kept; gives its ledger."""
+        parts = list(campaign.parts(run))
+        self._codes[run.name] = np.concatenate([part.block.codes for part in parts], axis=1)
+        blocks = [(p.block.start, p.block.codes.shape[1], p.block.flags, p.block.clipped) for p in parts]
+        self._blocks[run.name] = np.array(blocks, dtype=DTYPE)
+        self._scalars[run.name] = parts[-1].scalars or {}
+        return np.concatenate([part.ledger for part in parts])
+
+    def run(self, name: str) -> MemoryRun:
+        return next(run for run in self.runs if run.name == name)
+
+    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Samples:
+        row = list(self.channels).index(name)
+        codes, channel, blocks = self._codes[run][row], self.channels[name], self._blocks[run]
+        stop = codes.size if stop is None else stop
+        samples = (codes[start:stop] * channel.scale + channel.offset) / channel.sensitivity
+        touched = (blocks["start"] < stop) & (blocks["start"] + blocks["count"] > start)
+        return Samples(samples, int(np.bitwise_or.reduce(blocks["flags"][touched, row], initial=0)))
+
+    def document(self, name: str) -> Any:
+        return self._prediction if name == "prediction" else None
+
+    def scalars(self, run: str) -> Mapping[str, float]:
+        return self._scalars[run]
+
+    def blocks(self, run: str) -> np.ndarray:
+        return self._blocks[run]
