@@ -33,7 +33,6 @@ class Pilot:
     work : of the box on the bed in each cycle, J, shape (cycles,)
     layers, flowing : layers in all, and those that slide
     repeating : share of the energy in rows that repeat themselves
-    early : the same sum as the closed tier finds it (`rig.kernels.transient`), J
     averaging : error of the energy of rows without a period, as a share of all (`_averaging`)
     simulated : cycles of rows that were simulated
     """
@@ -43,7 +42,6 @@ class Pilot:
     layers: int
     flowing: int
     repeating: float
-    early: float
     averaging: float
     simulated: int
 
@@ -72,7 +70,6 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
         layers=bed.threshold.size + round(bed.carried_mass / (bed.row_mass * scene.layers.rows) if bed.row_mass else 0),
         flowing=rows.band.size,
         repeating=float(found.energy[found.period > 0].sum()) / taken if taken > 0.0 else 1.0,
-        early=unit * found.early,
         averaging=_averaging(found.loose[HISTORY:]) / taken if taken > 0.0 else 0.0,
         simulated=found.simulated,
     )
@@ -87,7 +84,7 @@ def stand_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: 
     lost = ledger[:, [COLUMNS.index(name) for name in LOST]].sum(axis=1)
     work = ledger[:, COLUMNS.index("W_gauge")] - lost
     steady = float(work[cycles // 2 :].mean())
-    return Pilot(np.array([[steady]]), work, 0, 0, 1.0, steady, 0.0, cycles)
+    return Pilot(np.array([[steady]]), work, 0, 0, 1.0, 0.0, cycles)
 
 
 def _averaging(loose: Array) -> float:

@@ -104,7 +104,7 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
             continue
         tried = best if rows == reference else _look(with_rows(scene, rows), rig, drive, cycles)
         planning += tried.simulated if tried is not best else 0
-        bias = tried.early / best.W - 1.0
+        bias = tried.W / best.W - 1.0
         error = max(abs(bias), added if drawn else 0.0) + short
         if error <= SHARE * tolerance or rows == reference:
             break

@@ -86,8 +86,9 @@ def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> 
 def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
     """Energy per cycle of rows in their steady state, units of the waveform.
 
-    Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean over its
-    period, any other the mean over `average` cycles behind them; a row in a wide play gets more of both (`_span`).
+    Rows start at rest at one wall. A row whose state of at most `HISTORY` cycles ago recurs gives the mean over that
+    period, however long it wandered before; any other, the mean over the last `average` of `HISTORY` + `average`
+    cycles; a row in a wide play gets more of both (`_span`).
     Returns friction, collision, period (0: none), each of shape (rows,); the period is -1 where a row exceeds
     `MAX_EVENTS`, -2 where its span exceeds `LONGEST_SPAN`.
     """
@@ -128,23 +129,22 @@ def _steady_energy(
         settled, averaged = max(HISTORY, left_out * span), max(average, CROSSINGS * span)
         for n in range(settled + averaged):
             k = n % HISTORY
-            if n <= settled:
-                back = find_recurrence(history, n, mode, u, z)
-                if back > 0:
-                    period[r] = back
-                    for b in range(1, back + 1):
-                        friction[r] += losses[(n - b) % HISTORY, 0] / back
-                        collision[r] += losses[(n - b) % HISTORY, 1] / back
-                    break
-                history[k, 0], history[k, 1], history[k, 2] = mode, u, z
+            back = find_recurrence(history, n, mode, u, z)
+            if back > 0:
+                period[r] = back
+                friction[r], collision[r] = 0.0, 0.0
+                for b in range(1, back + 1):
+                    friction[r] += losses[(n - b) % HISTORY, 0] / back
+                    collision[r] += losses[(n - b) % HISTORY, 1] / back
+                break
+            history[k, 0], history[k, 1], history[k, 2] = mode, u, z
             after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
             if after.events < 0:
                 period[r] = -1
                 break
-            if n < settled:
-                losses[k, 0], losses[k, 1] = after.friction, after.collision
-            else:
+            losses[k, 0], losses[k, 1] = after.friction, after.collision
+            if n >= settled:
                 friction[r] += after.friction / averaged
                 collision[r] += after.collision / averaged
     return friction, collision, period

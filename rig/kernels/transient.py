@@ -17,8 +17,6 @@ class Transient(NamedTuple):
     energy : steady energy per cycle of each row, shape (rows,): the mean over its period, of a row without one over the
         cycles behind the first `HISTORY`
     period : of each row in cycles, 0 for none, -1 where it exceeds `MAX_EVENTS`
-    early : energy per cycle of all rows as `steady_energy` finds it, which looks for periods in the first `HISTORY`
-        cycles only and averages all other rows over the rest
     work : of the box on all rows in each cycle, shape (cycles,)
     loose : loss of the rows without a period in each cycle, shape (cycles,)
     simulated : cycles of rows that were simulated; all others are copies of a period
@@ -26,7 +24,6 @@ class Transient(NamedTuple):
 
     energy: Array
     period: Ints
-    early: float
     work: Array
     loose: Array
     simulated: int
@@ -41,14 +38,14 @@ def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
 def _transient(
     layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, cycles: int,
     room: NDArray[np.void],
-) -> tuple[Array, Ints, float, Array, Array, int]:  # fmt: skip
+) -> tuple[Array, Ints, Array, Array, int]:  # fmt: skip
     count = layer.shape[0]
     energy, period = np.zeros(count), np.zeros(count, np.int64)
     total, loose = np.zeros(cycles), np.zeros(cycles)
     work, lost = np.empty(cycles), np.empty(cycles)
     history = np.empty((HISTORY, 3))
     events = room[0]
-    early, simulated = 0.0, 0
+    simulated = 0
     for r in range(count):
         i = layer[r]
         table = tables[i]
@@ -74,8 +71,7 @@ def _transient(
         for n in range(last, cycles):
             work[n], lost[n] = work[n - back], lost[n - back]
         energy[r] = lost[last - back : last].mean() if back > 0 else lost[HISTORY:].mean()
-        early += energy[r] if last <= HISTORY else lost[HISTORY:].mean()
         total += work
         if back == 0:
             loose += lost
-    return energy, period, early, total, loose, simulated
+    return energy, period, total, loose, simulated

@@ -7,9 +7,13 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rig.beds.stack import nominal, stack
+from rig.catalog import load_rig
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import steady_energy
 from rig.kernels.waveform import Array, crossings, extrema, motion
+from rig.scene import Grains, Layers, Scene
+from rig.theory.total import AVERAGED_CYCLES, closed_tier
 
 SINE = (np.ones(1), np.zeros(1))
 THIRD = (np.array([1.0, 0.0, 0.2]), np.array([0.0, 0.0, -0.1]))
@@ -174,17 +178,18 @@ def test_an_orbit_may_have_a_longer_period_than_the_drive() -> None:
     assert periods & {2, 3}
 
 
-def test_averaging_rows_without_a_period() -> None:
-    """The default of 64 cycles against 4096 on a condition with the largest share of such rows (2 m/s^2, steel)."""
-    from rig.beds.stack import nominal, stack
-    from rig.catalog import load_rig
-    from rig.scene import Grains, Scene
-    from rig.theory.total import closed_tier
-
+@pytest.mark.parametrize(
+    ("diameter", "fill", "rows", "level"),
+    [(0.004, 0.85, 8, 2.0), (0.004, 0.85, 37, 2.0), (0.004, 0.3, 37, 5.0), (0.007, 0.85, 8, 3.0), (0.004, 0.7, 8, 4.0)],
+)
+def test_averaging_rows_without_a_period(diameter: float, fill: float, rows: int, level: float) -> None:
+    """The default against 4096 cycles where 64 were up to 0.4 % off: rows that repeat only after hundreds of cycles."""
     rig = load_rig("default")
-    scene = Scene(grains=Grains(density=7900.0))
+    scene = Scene(grains=Grains(density=7900.0, diameter=diameter, fill=fill), layers=Layers(rows=rows))
     bed = stack(scene, rig, nominal(scene, rig))
     short, long = (
-        closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, 2.0, 20.0, n).total for n in (64, 4096)
+        closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, level, 20.0, n).total
+        for n in (AVERAGED_CYCLES, 4096)
     )
-    assert short == pytest.approx(long, rel=5e-3)  # the promise of issue and docs: 0.5 %
+    # what may be left: rows still wandering after 512 cycles, 1e-3 of W at most here, some 10 % off each
+    assert short == pytest.approx(long, rel=2e-4)
