@@ -105,10 +105,18 @@ def test_the_blocks_of_a_page_run(name: str, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in PAGE_NAMES if any("slow" == b.mark for b in blocks(PAGE_NAMES[name]))])
+@pytest.mark.parametrize("name", sorted({str(b.page.relative_to(ROOT)) for b in EVERY if b.mark == "slow"}))
 def test_the_long_blocks_of_a_page_run_too(name: str, folder: Path) -> None:
     assert os.getcwd() == str(folder)
     run_page(PAGE_NAMES[name], slow=True)
+
+
+@pytest.mark.parametrize("name", PAGE_NAMES)
+def test_links_lead_somewhere(name: str) -> None:
+    """Links to files of the repository; the site's builder looks at anchors and at the pages it builds only."""
+    page = PAGE_NAMES[name]
+    targets = re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8"))
+    assert [t for t in targets if "://" not in t and not (page.parent / t).exists()] == []
 
 
 def test_few_blocks_cannot_run() -> None:
