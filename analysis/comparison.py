@@ -16,6 +16,7 @@ from analysis.ratio import energy_ratio, line_through, recorded_ratio
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.verdict import CHAIN_SHARE, verdict
+from analysis.waveforms import waveforms
 
 __all__ = ["agreement"]
 
@@ -39,6 +40,7 @@ def agreement(
     expect: Iterable[Mapping[str, Any]] = (),
     actual: Actual | None = None,
     fidelity: Mapping[str, Any] | None = None,
+    resolved: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -49,6 +51,7 @@ def agreement(
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
     actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
     finely and how long each condition was simulated, where that was chosen and not written, as the session says.
+    resolved: protocol and rig file written out, with which the session can be repeated.
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -75,6 +78,7 @@ def agreement(
         "synthetic": synthetic,
         "tests": "chain" if synthetic and not OWN_MECHANISM & {r.setting.bed for r in results} else "model",
         "waveform": "ideal" if ideal else "measured",
+        "support": sorted({str(c["support"]) for c in conditions.values() if c.get("support")}),
         "conditions": [
             _row(result, empties)
             | {
@@ -92,11 +96,15 @@ def agreement(
         "chain": {"share": judged.chain_share, "needed": CHAIN_SHARE},
         "verdict": judged.verdict,
         "reasons": list(judged.reasons),
+        "failures": list(judged.failures),
         "flags": _flags(results) + (_too_coarse(results, fidelity) if fidelity else []),
+        "waveforms": waveforms(results),
         "left_out": [dict(entry) for entry in left_out],
         "instruments": [_instrument(channel) for channel in channels.values()],
         "assumed": [dict(value) for value in assumed],
     }
+    if resolved:
+        report["resolved"] = dict(resolved)
     if fidelity is not None:
         report["fidelity"] = dict(fidelity)
     mistake = deliberate(results, channels)

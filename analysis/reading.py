@@ -155,7 +155,13 @@ def read_session(
         expect=protocol.get("expect", ()),
         actual=actual_of(record.truth),
         fidelity=record.document("fidelity"),
+        resolved=_resolved({"protocol": protocol, "rig": rig}),
     )
+
+
+def _resolved(documents: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """The documents that are there written out, as text."""
+    return {name: str(found["resolved"]) for name, found in documents.items() if found.get("resolved")}
 
 
 def _channel(record: Record, name: str) -> ChannelFacts:

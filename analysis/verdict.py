@@ -18,11 +18,13 @@ FAULTS = {"clipped", "overload_hi", "overload_lo", "iepe_open", "iepe_short", "i
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within |E_n_chain| <= 1."""
+    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within |E_n_chain| <= 1;
+    failures: the sentences of the checks that failed."""
 
     verdict: str
     reasons: tuple[str, ...]
     chain_share: float | None
+    failures: tuple[str, ...] = ()
 
 
 def verdict(
@@ -43,7 +45,8 @@ def verdict(
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
     passes = all(good for good, _ in checks)
-    return Verdict("passes" if passes else "fails", tuple(text for _, text in checks if text), share)
+    failures = tuple(text for good, text in checks if not good)
+    return Verdict("passes" if passes else "fails", tuple(text for _, text in checks if text), share, failures)
 
 
 def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str]:

@@ -4,6 +4,8 @@ import csv
 import io
 from typing import Any
 
+from analysis.offset import TERMS
+
 __all__ = ["csv_text"]
 
 COLUMNS = (
@@ -20,8 +22,9 @@ def csv_text(report: dict[str, Any]) -> str:
     """The conditions as comma-separated values, SI units, names as in report.json, empty where not known."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow([*COLUMNS, "runs"])
+    table.writerow([*COLUMNS, "runs", *(f"offset_{name}" for name in TERMS)])
     for row in report["conditions"]:
         values = ("" if row[name] is None else row[name] for name in COLUMNS)
-        table.writerow([*values, len(row["runs"])])
+        terms = row["offset_terms"] or dict.fromkeys(TERMS, "")
+        table.writerow([*values, len(row["runs"]), *(terms[name] for name in TERMS)])
     return text.getvalue()

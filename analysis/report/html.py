@@ -1,75 +1,102 @@
 """report.html: one self-contained page, for screen, phone and paper."""
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from analysis.report import wording
+from analysis.report.cells import Cell, Table
+from analysis.report.drawing import Plot, svg_text
 from analysis.report.fidelity import fidelity_sentences
 from analysis.report.mistake import mistake_sentences, mistake_tables
+from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
-from analysis.report.tables import Cell, Table, all_tables
 
-if TYPE_CHECKING:
-    from analysis.figures import Plot
-
-__all__ = ["html_text"]
+__all__ = ["html_text", "page"]
 
 LONG = 40  # characters: longer cells may wrap
 
 
-def html_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
-    """The report as a page without any outside reference: verdict first, then figures and tables."""
-    name = escape(report["protocol"] or "session")
+def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
+    """The report as a page without any outside reference: what was tested and the verdict first, then the sections."""
+    name = report["protocol"] or "session"
     passes = report["verdict"] == "passes"
-    body = [
-        f"<h1>{name}</h1>",
+    found = f"<p class='result'>{escape(wording.headline(report))}</p>"
+    checks = "<ul>" + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report)) + "</ul>"
+    more = "".join(f"<p>{escape(text)}</p>" for text in wording.found(report))
+    why = "".join(f"<p class='result'>{escape(text)}</p>" for text in wording.failures(report))
+    head = [
+        f"<h1>{escape(name)}</h1>",
         f"<p class='lead'>{escape(wording.tested(report))}</p>",
         f"<p><strong>Question:</strong> {escape(report['question'])}</p>" if report["question"] else "",
-        f"<p>{escape(wording.waveform(report))}</p>",
+        *(f"<p>{escape(text)}</p>" for text in (wording.waveform(report), wording.support(report)) if text),
         f"<section class='verdict {'good' if passes else 'bad'}' aria-labelledby='verdict'>",
         f"<h2 id='verdict'>Verdict: {escape(wording.verdict_line(report).lower())}</h2>",
-        f"<p class='result'>{escape(wording.headline(report))}</p>",
-        "<ul>" + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report)) + "</ul></section>",
+        (found if passes else why + found.replace(" class='result'", "")) + more + checks + "</section>",
         *(f"<p class='lead'><strong>{escape(text)}</strong></p>" for text in mistake_sentences(report)),
-        *map(_table, mistake_tables(report)),
+        *(f"<section>{_table(table, f'm{n}')}</section>" for n, table in enumerate(mistake_tables(report))),
         *(f"<p>{escape(text)}</p>" for text in fidelity_sentences(report)),
-        *map(_figure, drawn),
-        *map(_table, all_tables(report)),
-        "<section><h2>Again</h2>",
-        *(f"<p><code>{escape(command)}</code><br>{escape(why)}</p>" for command, why in wording.again(report)),
-        "</section>",
     ]
+    shown = sections(report) if parts is None else parts
+    tail = [_file(name, text) for name, text in (report.get("resolved") or {}).items()]
+    return page(f"{name}: agreement report", head, shown, tail)
+
+
+def page(title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterable[str] = ()) -> str:
+    """A page from its title, its first elements (HTML), sections, and what stands last (HTML)."""
+    body = [*head, *(_section(section, number) for number, section in enumerate(parts)), *tail]
     return (
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
-        "<meta name='viewport' content='width=device-width, initial-scale=1'>"
-        f"<title>{name}: agreement report</title><style>{CSS}</style></head>\n<body><main>\n"
+        "<meta name='viewport' content='width=device-width, initial-scale=1'><link rel='icon' href='data:,'>"
+        f"<title>{escape(title)}</title><style>{CSS}</style></head>\n<body><main>\n"
         + "\n".join(filter(None, body))
         + f"\n</main><script>{SORT}</script></body></html>\n"
     )
 
 
-def _figure(plot: "Plot") -> str:
-    drawing = plot.svg[plot.svg.index("<svg") :]
-    tag, rest = drawing.split(">", 1)
-    tag = re.sub(r' (?:width|height)="[^"]*"', "", tag)  # the page sets the size, from the viewBox
-    rest = re.sub(r'<g id="[^"]*">', "<g>", rest)  # nothing refers to groups, and two figures number them alike
-    drawing = f'{tag} role="img" aria-label="{escape(plot.alt)}">{rest}'
-    return (
-        f"<section><h2>{escape(plot.title)}</h2><div class='wide' tabindex='0'><figure>{drawing}</figure></div>"
-        f"<p class='note'>{escape(plot.alt)}</p></section>"
+def _file(name: str, text: str) -> str:
+    shown = f"<summary>The {escape(name)} of this session</summary><pre>{escape(text)}</pre>"
+    return f"<section><details>{shown}</details></section>"
+
+
+def _section(section: Section, number: int) -> str:
+    parts = [f"<p>{escape(text)}</p>" for text in section.sentences]
+    alone = len(section.plots) + len(section.tables) == 1
+    parts += [_figure(plot, not alone) for plot in section.plots]
+    parts += [_table(table, f"t{number}-{place}", not alone) for place, table in enumerate(section.tables)]
+    return f"<section><h2>{escape(section.title)}</h2>{''.join(parts)}</section>"
+
+
+def _figure(plot: Plot, titled: bool = True) -> str:
+    panels = "".join(
+        svg_text(panel, f"{plot.title}: {panel.title}" if panel.title else plot.title) for panel in plot.panels
     )
+    drawn = (
+        f"<figure><div class='panels'>{panels}</div><figcaption class='note'>{escape(plot.alt)}</figcaption></figure>"
+    )
+    if plot.name.endswith("_log"):
+        return f"<details><summary>{escape(plot.title)}</summary>{drawn}</details>"
+    return f"<h3>{escape(plot.title)}</h3>{drawn}" if titled else drawn
 
 
-def _table(table: Table) -> str:
+def _table(table: Table, name: str, titled: bool = True) -> str:
+    """A table with its note; on a phone each row is a card, every value after its column's name."""
     head = "".join(f"<th scope='col'><button type='button'>{escape(text)}</button></th>" for text in table.head)
     rows = "\n".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in table.rows)
-    return (
-        f"<section><h2>{escape(table.title)}</h2><p class='note'>{escape(table.note)}</p>"
-        f"<div class='wide' tabindex='0'><table><thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table></div>"
-        "</section>"
+    labels = "".join(
+        f"#{name} td:nth-child({place})::before{{content:{_quoted(text)}}}" for place, text in enumerate(table.head, 1)
     )
+    return (
+        f"{f'<h3>{escape(table.title)}</h3>' if titled else ''}<p class='note'>{escape(table.note)}</p>"
+        f"<style>@media screen and (max-width:40rem){{{labels}}}</style>"
+        f"<div class='wide' tabindex='0' role='region' aria-label='{escape(table.title)}'><table id='{name}'>"
+        f"<thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _quoted(text: str) -> str:
+    """A CSS string."""
+    return '"' + "".join(f"\\{ord(c):x} " if c in '"\\<>&\n' else c for c in text) + '"'
 
 
 def _cell(cell: Cell) -> str:

@@ -1,51 +1,58 @@
 """report.md: the report as Markdown text."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from analysis.report import wording
+from analysis.report.cells import Table
 from analysis.report.fidelity import fidelity_sentences
 from analysis.report.mistake import mistake_sentences, mistake_tables
-from analysis.report.tables import Table, all_tables
+from analysis.report.sections import Section, sections
 
-if TYPE_CHECKING:
-    from analysis.figures import Plot
-
-__all__ = ["markdown_text"]
+__all__ = ["markdown_text", "plain", "section_texts"]
 
 
-def markdown_text(report: dict[str, Any], drawn: "Sequence[Plot]" = ()) -> str:
+def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
     """The report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
     name = report["protocol"] or "session"
-    parts = [f"# {_plain(name)}: agreement of measured and predicted dissipation", _plain(wording.tested(report))]
+    lines = [f"# {plain(name)}: agreement of measured and predicted dissipation", plain(wording.tested(report))]
     if report["question"]:
-        parts.append(f"Question: {_plain(report['question'])}")
-    parts += [
-        _plain(wording.waveform(report)),
+        lines.append(f"Question: {plain(report['question'])}")
+    lines += [
+        *(plain(text) for text in (wording.waveform(report), wording.support(report)) if text),
         f"## Verdict: {wording.verdict_line(report)}",
-        "\n".join(f"- {_plain(reason)}" for reason in wording.reasons(report)),
-        _plain(wording.headline(report)),
-        *(f"**{_plain(text)}**" for text in mistake_sentences(report)),
+        *(f"**{plain(text)}**" for text in wording.failures(report)),
+        plain(wording.headline(report)),
+        *map(plain, wording.found(report)),
+        "\n".join(f"- {plain(reason)}" for reason in wording.reasons(report)),
+        *(f"**{plain(text)}**" for text in mistake_sentences(report)),
         *map(_table, mistake_tables(report)),
-        *map(_plain, fidelity_sentences(report)),
-        *(f"![{plot.alt}](figures/{plot.name}.svg)" for plot in drawn),
+        *map(plain, fidelity_sentences(report)),
+        *section_texts(sections(report) if parts is None else parts),
     ]
-    parts += [_table(table) for table in all_tables(report)]
-    parts += ["## Again", *(f"`{command}` {why}" for command, why in wording.again(report))]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join(lines) + "\n"
+
+
+def section_texts(parts: Sequence[Section]) -> Iterable[str]:
+    """The sections as paragraphs of Markdown."""
+    for section in parts:
+        yield f"## {section.title}"
+        yield from map(plain, section.sentences)
+        yield from (f"![{plain(plot.alt)}](figures/{plot.name}.svg)" for plot in section.plots)
+        yield from map(_table, section.tables)
 
 
 def _table(table: Table) -> str:
     lines = [
-        f"## {table.title}\n\n{_plain(table.note)}\n",
+        f"### {table.title}\n\n{plain(table.note)}\n",
         "| " + " | ".join(table.head) + " |",
         "|" + "---|" * len(table.head),
-        *("| " + " | ".join(_plain(cell.text) for cell in row) + " |" for row in table.rows),
+        *("| " + " | ".join(plain(cell.text) for cell in row) + " |" for row in table.rows),
     ]
     return "\n".join(lines)
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar."""
     text = " ".join(str(text).split())
     return "".join(f"\\{c}" if c in "\\`*[]<>|#!" else c for c in text)

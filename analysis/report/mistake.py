@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from analysis.report.tables import Cell, Table
+from analysis.report.cells import Cell, Table
 
 __all__ = ["mistake_sentences", "mistake_tables"]
 

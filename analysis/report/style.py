@@ -20,8 +20,12 @@ ul { padding-left: 1.2rem; }
 .verdict h2 { margin-top: .6rem; }
 .result { font-size: 1.05rem; font-weight: 600; }
 .wide { max-width: 100%; overflow-x: auto; }
-figure { margin: 0; min-width: 34rem; max-width: 60rem; }
-figure svg { display: block; width: 100%; height: auto; }
+figure { margin: 0; }
+.panels { display: flex; flex-wrap: wrap; gap: .75rem; }
+.panels svg { display: block; max-width: 100%; height: auto; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+summary { cursor: pointer; font-weight: 600; margin: .8rem 0; }
+pre { font-size: .75rem; white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f7f8; padding: .75rem; }
 table { border-collapse: collapse; font-size: .8125rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .5rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { border-bottom-color: var(--soft); white-space: nowrap; vertical-align: bottom; }
@@ -34,10 +38,26 @@ th button:focus-visible, .wide:focus-visible { outline: 2px solid #0072b2; outli
 th[aria-sort=ascending] button::after { content: " \\25B2"; }
 th[aria-sort=descending] button::after { content: " \\25BC"; }
 code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
-@media (max-width: 40rem) { main { padding: .5rem .8rem 2rem; } th, td { padding: .2rem .4rem; } }
+@media screen and (max-width: 40rem) {
+  main { padding: .5rem .8rem 2rem; }
+  table, tbody { display: block; }
+  thead tr { display: flex; flex-wrap: wrap; gap: .1rem .9rem; border-bottom: 1px solid var(--soft); }
+  thead tr::before { content: "Sort by:"; color: var(--soft); }
+  th { display: block; border: 0; padding: .1rem 0; }
+  tbody tr { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1rem; padding: .4rem 0;
+    border-bottom: 1px solid var(--line); }
+  td, td.n, td.t { display: block; border: 0; padding: 0; text-align: left; white-space: normal; min-width: 0;
+    max-width: none; overflow-wrap: anywhere; }
+  td:not(.t) { display: flex; justify-content: space-between; align-items: baseline; gap: .5rem; }
+  td.t { grid-column: 1 / -1; }
+  td:first-child { font-weight: 600; }
+  td:empty { display: none; }
+  td::before { color: var(--soft); font-size: .6875rem; font-weight: 400; }
+  td.t::before { display: block; }
+}
 @media print {
   body { font-size: 10pt; } main { max-width: none; padding: 0; } .wide { overflow: visible; }
-  figure { min-width: 0; max-width: 15cm; } table { font-size: 7.5pt; }
+  .panels svg { width: 8.3cm; } table { font-size: 7.5pt; } details { display: none; }
   th, td { white-space: normal; padding: 1pt 3pt; }
   section { break-inside: auto; } tr, figure, .verdict { break-inside: avoid; } h2 { break-after: avoid; }
   thead { display: table-header-group; }

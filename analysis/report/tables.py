@@ -4,35 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.report.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
-from analysis.report.fidelity import fidelity
-from analysis.report.reasons import causes, offset_terms
 
-__all__ = ["Cell", "Table", "all_tables", "significant", "with_U"]
+__all__ = [
+    "budget", "claims", "coil", "conditions", "flags", "instruments", "nulls", "recorded", "references", "values",
+]  # fmt: skip
 
 Report = dict[str, Any]
-
-
-def all_tables(report: Report) -> tuple[Table, ...]:
-    """The tables that have rows, in the order of the page."""
-    made = (
-        make(report)
-        for make in (
-            claims,
-            conditions,
-            recorded,
-            coil,
-            offset_terms,
-            causes,
-            nulls,
-            references,
-            fidelity,
-            flags,
-            budget,
-            instruments,
-            values,
-        )
-    )
-    return tuple(table for table in made if table.rows)
 
 
 def conditions(report: Report) -> Table:

@@ -1,11 +1,12 @@
 """What the report says in sentences: the same in every form of it."""
 
 import re
+from collections import Counter
 from typing import Any
 
-from analysis.report.tables import significant, with_U
+from analysis.report.cells import significant, with_U
 
-__all__ = ["again", "headline", "reasons", "tested", "verdict_line", "waveform"]
+__all__ = ["again", "failures", "found", "headline", "reasons", "support", "tested", "verdict_line", "waveform"]
 
 Report = dict[str, Any]
 
@@ -52,9 +53,25 @@ def verdict_line(report: Report) -> str:
     return "Passes" if report["verdict"] == "passes" else "Fails"
 
 
+def support(report: Report) -> str:
+    """What was taken for the support below the box; nothing where the session does not say."""
+    kinds = report.get("support") or []
+    if not kinds:
+        return ""
+    if kinds == ["none"]:
+        return "No support is assumed: nothing but the gauge holds or drives the box."
+    return f"Assumed support of the box: {', '.join(kinds)}."
+
+
 def reasons(report: Report) -> tuple[str, ...]:
-    """One sentence per check behind the verdict."""
-    return tuple(report["reasons"])
+    """One sentence per check that held, or could not be made."""
+    failed = set(failures(report))
+    return tuple(reason for reason in report["reasons"] if reason not in failed)
+
+
+def failures(report: Report) -> tuple[str, ...]:
+    """The checks that failed, which are said first."""
+    return tuple(report.get("failures", ()))
 
 
 def headline(report: Report) -> str:
@@ -62,23 +79,71 @@ def headline(report: Report) -> str:
     found = report["agreement"]
     if found["ratio"] is None:
         return "There is no predicted energy to compare with."
-    offset, U, count = found["ratio"] - 1, found["U_ratio"], found["n"]
-    nu = "unlimited" if found["nu"] is None else f"{found['nu']:.0f}"
+    offset, U = found["ratio"] - 1, found["U_ratio"]
+    nu = "∞" if found["nu"] is None else f"{found['nu']:.0f}"
     amount = with_U(abs(offset), U, 100.0).text.split(" ± ")
     relation = "exceeds" if offset >= 0 else "falls short of"
     margin = f" ± {amount[1]} %" if len(amount) > 1 else ""
-    text = (
-        f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found['k']:.2f}, {nu} degrees of freedom), weighted with "
-        "energy"
-    )
-    slope = f"; slope through the origin {with_U(found['slope'], found['U_slope']).text}" if found["slope"] else ""
-    text += f"{slope}."
+    text = f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found['k']:.2f}, nu = {nu}), weighted with energy"
     if found["put_in"] is not None:
-        text += f" The rig file put in {significant(100 * found['put_in'], 2)} % of W_T as losses of the box."
-    if found["mean_offset"] is not None:
-        mean = f"{significant(100 * found['mean_offset'], 2)} %"
-        text += f" The mean offset of the {count} conditions above the detection limit is {mean}."
-    return text
+        put_in = f"{significant(100 * found['put_in'], 2)} %"
+        if 0 <= found["put_in"] <= offset:
+            text += f"; of this {put_in} was put in by the rig file (losses of the box)"
+        else:
+            rest = f"{significant(100 * (offset - found['put_in']), 2)} %"
+            text += f"; {put_in} was put in by the rig file (losses of the box), so all else makes {rest}"
+    return f"{text}."
+
+
+def found(report: Report) -> tuple[str, ...]:
+    """What else belongs to the verdict: the slope, the mean offset and what rules it, claims, flags."""
+    return tuple(filter(None, (_line(report), _mean_offset(report), _claims(report), _flags(report))))
+
+
+def _line(report: Report) -> str:
+    found = report["agreement"]
+    return (
+        "" if found["slope"] is None else f"Slope through the origin {with_U(found['slope'], found['U_slope']).text}."
+    )
+
+
+def _mean_offset(report: Report) -> str:
+    """The unweighted mean, with the condition that rules it where one does."""
+    mean, rows = report["agreement"]["mean_offset"], [row for row in report["conditions"] if row["offset"] is not None]
+    if mean is None or not rows:
+        return ""
+    offsets = sorted(row["offset"] for row in rows)
+    half = len(offsets) // 2
+    median = (offsets[half] + offsets[~half]) / 2
+    text = f"The mean offset of the {len(rows)} conditions above the detection limit is {_percent(mean)}"
+    top = max(rows, key=lambda row: abs(row["offset"]))
+    without = (sum(offsets) - top["offset"]) / (len(rows) - 1) if len(rows) > 1 else mean
+    if abs(top["offset"]) < 2 * sum(abs(o) for o in offsets) / 3 or len(rows) < 3:
+        return f"{text}, the median {_percent(median)}."
+    return (
+        f"{text}, but one of them rules it: {top['id']}, where W_T is only {significant(1e3 * top['W_T'], 2)} mJ and "
+        f"the offset {_percent(top['offset'])}. Without it the mean is {_percent(without)}; the median is "
+        f"{_percent(median)}."
+    )
+
+
+def _claims(report: Report) -> str:
+    """How many claims hold, do not, are undecided, were put in."""
+    if not report["claims"]:
+        return ""
+    count = Counter(row["verdict"] for row in report["claims"])
+    words = {"holds": "hold", "does not hold": "do not hold", "undecided": "are undecided", "imposed": "are imposed"}
+    told = [f"{count.pop(word, 0)} {words[word]}" for word in words]
+    return f"Of {len(report['claims'])} claims {', '.join([*told, *(f'{n} {word}' for word, n in count.items())])}."
+
+
+def _flags(report: Report) -> str:
+    names = [entry["flag"] for entry in report["flags"]]
+    return f"Flags: {', '.join(names)}." if names else "No run carries a flag."
+
+
+def _percent(value: float) -> str:
+    return f"{significant(100 * value, 2)} %"
 
 
 def again(report: Report) -> tuple[tuple[str, str], ...]:
@@ -87,5 +152,9 @@ def again(report: Report) -> tuple[tuple[str, str], ...]:
     again = ("rig report session.h5", "makes this report again from the record alone.")
     if not report["synthetic"]:
         return (again,)
-    run = "repeats the whole session from its protocol, which the session file holds word for word (seed included)."
+    resolved = report.get("resolved") or {}
+    run = "repeats the whole session from its protocol, seed included; the session file holds it too."
+    if resolved.get("protocol") and resolved.get("rig"):
+        run = "repeats the whole session, seed included: both files are at the end of this page or in report.json."
+        return ((f"rig run {name}.yaml --rig {name}_rig.yaml", run), again)
     return ((f"rig run {name}.yaml", run), again)

@@ -157,6 +157,7 @@ def report(
     tolerate_gaps: Annotated[
         bool, typer.Option("--tolerate-gaps", help="Read the whole cycles beside a gap; never across one.")
     ] = False,
+    png: Annotated[bool, typer.Option("--png", help="Write the figures as PNG files too.")] = False,
     json: Json = False,
 ) -> None:  # fmt: skip
     """Analyse recorded sessions again, from the records alone.
@@ -168,7 +169,7 @@ def report(
     go_on_watched(*session)
     from rig.cli.sessions import report_sessions
 
-    raise typer.Exit(report_sessions(session, out, json, tolerate_gaps))
+    raise typer.Exit(report_sessions(session, out, json, tolerate_gaps, png))
 
 
 @app.command()

@@ -13,7 +13,9 @@ from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
 
 
-def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False) -> int:
+def report_sessions(
+    sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
+) -> int:
     """`rig report`: analysis and agreement from the records alone."""
     from analysis import read_session, write_report
 
@@ -25,7 +27,7 @@ def report_sessions(sessions: Sequence[Path], out: Path | None, as_json: bool, t
         with open_watched(path) as record:
             reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
         folder = out or path.parent
-        write_report(reports[-1], folder)
+        write_report(reports[-1], folder, png=png)
         if not as_json:
             print_result(reports[-1], folder)
     if as_json:

@@ -1,0 +1,58 @@
+"""What stands below the verdict, in the order in which it is read: page and Markdown are both made from it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.report import tables, wording
+from analysis.report.cells import Table
+from analysis.report.cycle_figures import repeats_plot, waveform_plot
+from analysis.report.drawing import Plot
+from analysis.report.energy_figures import energy_plots
+from analysis.report.fidelity import fidelity
+from analysis.report.offset_figures import bland_altman, nulls_plot, offset_plot, terms_plot
+from analysis.report.reasons import causes, offset_terms
+
+__all__ = ["Section", "plots", "sections"]
+
+Report = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A headed part of the report: sentences, figures, tables."""
+
+    title: str
+    sentences: tuple[str, ...]
+    plots: tuple[Plot, ...]
+    tables: tuple[Table, ...]
+
+
+def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
+    """The sections that have anything to show."""
+
+    def part(title: str, plots: Sequence[Plot | None], *found: Table, sentences: Sequence[str] = ()) -> Section:
+        drawn = tuple(plot for plot in plots if plot is not None) if figures else ()
+        return Section(title, tuple(sentences), drawn, tuple(table for table in found if table.rows))
+
+    made = (
+        part("Flags", (), tables.flags(report)),
+        part("Energy per cycle", energy_plots(report), tables.conditions(report), tables.recorded(report),
+             tables.coil(report)),
+        part("Offset of measured from predicted", (offset_plot(report),)),
+        part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
+        part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
+        part("Uncertainty", (), tables.budget(report)),
+        part("Waveforms", (waveform_plot(report),)),
+        part("Cycles and runs", (repeats_plot(report),)),
+        part("What was claimed", (), tables.claims(report)),
+        part("Instruments and values", (), tables.instruments(report), tables.values(report), fidelity(report)),
+        part("To reproduce", (), sentences=[f"{command}: {why}" for command, why in wording.again(report)]),
+        part("Difference against mean", (bland_altman(report),)),
+    )  # fmt: skip
+    return tuple(section for section in made if section.plots or section.tables or section.sentences)
+
+
+def plots(report: Report) -> tuple[Plot, ...]:
+    """The figures that a report has the numbers for, in the order of the page."""
+    return tuple(plot for section in sections(report) for plot in section.plots)

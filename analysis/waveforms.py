@@ -1,0 +1,44 @@
+"""What one condition looks like: a mean cycle of force and acceleration by its harmonics, and W of every cycle."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.conditions import Result
+
+__all__ = ["HARMONICS", "waveforms"]
+
+HARMONICS = 100  # of a cycle that are kept; enough for the steps of impacts at the size of a page
+DIGITS = 7
+
+
+def waveforms(results: Sequence[Result]) -> dict[str, Any] | None:
+    """The condition with the largest energy; None without any.
+
+    Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of its first run's mean cycle, and W of
+    each cycle (J) of all its runs.
+    """
+    if not results:
+        return None
+    top = max(results, key=lambda result: result.W_exp.value)
+    first = top.runs[0]
+    return {
+        "condition": top.setting.id,
+        "run": first.run,
+        "frequency": first.energy.frequency,
+        "force": _pairs(first.energy.force[:HARMONICS]),
+        "acceleration": _pairs(first.energy.acceleration[:HARMONICS]),
+        "thd_force": first.energy.thd_force,
+        "thd_acceleration": first.energy.thd_acceleration,
+        "runs": [{"run": run.run, "W_cycles": [_short(W) for W in run.energy.W_cycles.tolist()]} for run in top.runs],
+    }
+
+
+def _pairs(phasors: NDArray[np.complex128]) -> list[list[float]]:
+    return [[_short(value.real), _short(value.imag)] for value in phasors.tolist()]
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
