@@ -19,6 +19,7 @@ MARKERS = "osD^v"
 WIDTH, HEIGHT = 352.0, 236.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 8.0, 24.0, 40.0
 NEAR = 20.0  # of a signed logarithmic axis: linear within
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 
 
@@ -184,9 +185,15 @@ class Panel:
 
 
 def tick(value: float) -> str:
-    """A tick's number: short, with a real minus, without a needless exponent."""
+    """A tick's number: short, with a real minus, an exponent only where it is very large or small."""
     value = 0.0 if abs(value) < 1e-12 else value
-    text = f"{value:.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
+    if value and not 1e-3 <= abs(value) < 1e6:
+        digits, power = f"{value:.3e}".split("e")
+        digits = digits.rstrip("0").rstrip(".")
+        ten = "10" + str(int(power)).translate(RAISED)
+        text = {"1": ten, "-1": f"-{ten}"}.get(digits, f"{digits}·{ten}")
+    else:
+        text = f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
     return text.replace("-", "−")
 
 

@@ -65,10 +65,10 @@ def repeats_plot(report: Row) -> Plot | None:
     everything = [W for _, values in runs for W in values]
     longest = max(len(values) for _, values in runs)
     panel = Panel(linear((1, longest)), linear(everything), "cycle", "W, mJ", f"{found['condition']}: every cycle")
-    for number, (_, values) in enumerate(runs[: len(SERIES)]):
+    for place, (_, values) in enumerate(runs[: len(SERIES)]):
         places = [float(cycle) for cycle in range(1, len(values) + 1)]
-        panel.line(places, values, SERIES[number], 0.9)
-        panel.dots(places, values, SERIES[number], MARKERS[number % len(MARKERS)], 2.2, hollow=False)
+        panel.line(places, values, SERIES[place], 0.9)
+        panel.dots(places, values, SERIES[place], MARKERS[place % len(MARKERS)], 2.2, hollow=False)
     names = [(MARKERS[n % len(MARKERS)], SERIES[n], name) for n, (name, _) in enumerate(runs[: len(SERIES)])]
     panels = [legend(names), panel.drawing()]
     told = [

@@ -9,7 +9,7 @@ from typing import Any
 
 from analysis.comparison import SCHEMA
 from analysis.offset import TERMS
-from daq.shapes import Either, Keys, List, Number, Shape, Text, YesNo
+from daq.shapes import Either, Keys, List, Null, Number, Shape, Text, YesNo
 from daq.shapes_schema import json_schema
 
 __all__ = ["REPORT", "report_schema"]
@@ -106,6 +106,15 @@ FIDELITY = Keys(
     {"tolerance": Number(0.0), "conditions": List(Keys({"id": Text(), "error": Number(0.0), "met": YesNo()}))}
 )
 
+PHASORS = List(List(VALUE, least=2))
+WAVEFORMS = Keys(
+    _all(
+        {"condition": Text(), "run": Text(), "frequency": VALUE, "force": PHASORS, "acceleration": PHASORS},
+        {"thd_force": KNOWN, "thd_acceleration": KNOWN},
+        {"runs": List(Keys({"run": Text(), "W_cycles": List(VALUE, least=1)}))},
+    )
+)
+
 REPORT = Keys(
     _all(
         {"schema": Text((SCHEMA,)), "protocol": Text(), "question": Text(), "synthetic": YesNo()},
@@ -116,7 +125,14 @@ REPORT = Keys(
         {"verdict": Text(("passes", "fails")), "reasons": WORDS, "flags": List(FLAG)},
         {"left_out": List(Keys(_each("run why", Text()))), "instruments": List(INSTRUMENT), "assumed": List(ASSUMED)},
     ),
-    {"fidelity": FIDELITY, "mistake": MISTAKE},
+    {
+        "fidelity": FIDELITY,
+        "mistake": MISTAKE,
+        "failures": WORDS,
+        "support": WORDS,
+        "waveforms": Either(Null(), WAVEFORMS),
+        "resolved": Keys({}, {"protocol": Text(), "rig": Text()}),
+    },
 )
 
 
