@@ -40,6 +40,7 @@ from daq.shapes import LARGEST, Keys, List, Text, YesNo, deviations
 __all__ = ["Record", "Truth", "open_session"]
 
 Codes = npt.NDArray[np.int32]
+KEPT_TABLES = 32  # opened datasets, those of a run or two
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError, MemoryError)
 """What h5py and the decoders raise on a damaged file."""
 
@@ -83,6 +84,7 @@ class Record:
         self._patience = patience
         self._owned = file.mode == "r"  # a recorder keeps its own file
         self._live = self._owned and file.swmr_mode  # another process may be writing
+        self._tables: dict[str, Any] = {}  # opened and checked
         self._known_blocks: tuple[str, npt.NDArray[np.void]] | None = None
         with self.readable():
             root = read_attributes(file, "")
@@ -110,6 +112,7 @@ class Record:
 
     def close(self) -> None:
         """Close the file; a recorder's own record stays open with its recorder."""
+        self._tables.clear()
         if self._owned:
             with suppress(OSError, RuntimeError), limited(self._patience):  # nothing was written: nothing is lost
                 self._file.close()
@@ -191,9 +194,13 @@ class Record:
 
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
         """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
-        channel, status = self._channel(name), self._status(run)
-        first, last = self._within(run, status, start, stop)
-        samples = self._codes(run, name, first, last).astype(np.float64)
+        first, last = self._within(run, self._status(run), start, stop)
+        return self.signal_of(run, name, first, self._codes(run, self._channel(name).name, first, last))
+
+    def signal_of(self, run: str, name: str, start: int, codes: Codes) -> Signal:
+        """As `signal`, of codes of the channel that were read before, the first of them sample `start`."""
+        channel, status, first, last = self._channel(name), self._status(run), start, start + codes.size
+        samples = codes.astype(np.float64)
         samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
@@ -267,10 +274,20 @@ class Record:
     ) -> npt.NDArray[Any]:
         """Rows start..stop of the table of that type and shape, as they are now."""
         with self.readable():
-            source = table(self._file, path, dtype, shape)
-            if self._live:
-                source.refresh()
+            source = self._table(path, dtype, shape)
             return read_rows(source, dtype, start, shape[0] if stop is None else stop)
+
+    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Any:
+        """A table opened and checked, or kept from before; while a writer lives, opened anew, without old chunks."""
+        if self._live:
+            source = table(self._file, path, dtype, shape)
+            source.refresh()
+            return source
+        if path not in self._tables:
+            if len(self._tables) >= KEPT_TABLES:
+                self._tables.clear()
+            self._tables[path] = table(self._file, path, dtype, shape)
+        return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:
         return self._rows(f"{run}/data/{channel}", "<i4", (self._plans[run].samples,), start, stop)

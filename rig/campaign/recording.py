@@ -11,6 +11,7 @@ from analysis import AnalysisError, RunEnergy, run_energy
 from daq.block import Block, Flag
 from daq.clock import NEVER_LATE, Punctuality
 from daq.session import Record, Recorder
+from rig.campaign.feeding import Fed
 from rig.campaign.watching import Look, Watcher
 
 
@@ -65,13 +66,20 @@ class Analysis:
 
     def add(self, part: Part) -> None:
         """A run is complete: its last part."""
-        name = part.run
-        run = self._record.run(name)
+        self.read(part.run, self._record)
+        self.tell(part)
+
+    def read(self, name: str, source: Record | Fed) -> None:
+        """Find a run's energies from what holds its samples, or has them come in."""
         with suppress(AnalysisError):  # read_session lists it with the reason
-            self.energies[name] = run_energy(self._record, run)
+            self.energies[name] = run_energy(source, self._record.run(name))
+
+    def tell(self, part: Part) -> None:
+        """Tell of a run that has been read: its last part."""
         self._done += 1
-        energy, total = self.energies.get(name), len(self._runs)
-        self._watch(Progress(name, run.condition, energy, self._done, total, part.punctuality))
+        name, total = part.run, len(self._runs)
+        condition, energy = self._record.run(name).condition, self.energies.get(name)
+        self._watch(Progress(name, condition, energy, self._done, total, part.punctuality))
 
 
 def record_parts(

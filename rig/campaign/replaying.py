@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import read_session, write_report
+from analysis import RunEnergy, read_session, write_report
+from daq.block import Block
 from daq.clock import Pacer
 from daq.replay import Replayed
-from daq.session import Record, Recorder, open_session
+from daq.session import Record, Recorder, RunInfo, open_session
 from daq.session_copy import plan_of
+from rig.campaign.feeding import Fed
 from rig.campaign.recording import Analysis, Part, Watch, record_parts
 from rig.campaign.watching import Look, Watcher
 from rig.provenance import replay_provenance
@@ -33,37 +35,60 @@ def replay(
     `patience` as for `daq.open_session`.
     """
     with open_session(session, patience) as record:
-        parts = recorded(record, speed)
         if out is None:
-            analysis = Analysis(record, progress, done=0)
-            watcher = None if look is None else Watcher(record, look)
-            for part in parts:
-                if watcher is not None:
-                    watcher.hear(part.run, part.block)
-                if part.scalars is not None:
-                    analysis.add(part)
-            return read_session(record, analysis.energies)
+            return read_session(record, analysed(record, speed, progress, look))
         plan = plan_of(record, replay=replay_provenance(speed))
         out.mkdir(parents=True, exist_ok=True)
         with Recorder.create(out / "session.h5", plan, overwrite) as recorder:
-            energies = record_parts(recorder, parts, progress, look)
+            energies = record_parts(recorder, recorded(record, speed), progress, look)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
 
 
+def analysed(
+    record: Record, speed: float | None, progress: Watch = lambda _: None, look: Callable[[Look], None] | None = None
+) -> dict[str, RunEnergy]:
+    """Energies of a record's complete runs, in their order of execution, found while their blocks come in."""
+    analysis = Analysis(record, progress, done=0)
+    watcher = None if look is None else Watcher(record, look)
+    for info in sorted(record.runs, key=lambda run: run.order):
+        ended: list[Part] = []
+
+        def blocks(info: RunInfo = info, ended: list[Part] = ended) -> Iterator[Block]:
+            for part in recorded_run(record, info, speed):
+                if watcher is not None:
+                    watcher.hear(part.run, part.block)
+                if part.scalars is not None:
+                    ended.append(part)
+                yield part.block
+
+        fed = Fed(record, info.name, blocks())
+        if info.complete:
+            analysis.read(info.name, fed)
+        fed.drain()
+        for part in ended:
+            analysis.tell(part)
+    return analysis.energies
+
+
 def recorded(record: Record, speed: float | None) -> Iterator[Part]:
     """The parts of a record, runs in their order of execution, paced; of an incomplete run, what there is."""
     for info in sorted(record.runs, key=lambda run: run.order):
-        acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
-        rows = _ledger(record, info.name)
-        for samples in acquisition.sizes:
-            block = acquisition.read(samples)
-            pacer.wait(block.start + block.count)
-            last = info.complete and block.start + block.count == info.samples
-            part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
-            yield part.ended(pacer.punctuality)
-            rows = rows[:0]
+        yield from recorded_run(record, info, speed)
+
+
+def recorded_run(record: Record, info: RunInfo, speed: float | None) -> Iterator[Part]:
+    """The parts of one run."""
+    acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
+    rows = _ledger(record, info.name)
+    for samples in acquisition.sizes:
+        block = acquisition.read(samples)
+        pacer.wait(block.start + block.count)
+        last = info.complete and block.start + block.count == info.samples
+        part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+        yield part.ended(pacer.punctuality)
+        rows = rows[:0]
 
 
 def _ledger(record: Record, run: str) -> NDArray[np.float64]:
