@@ -1,5 +1,6 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -74,6 +75,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
     samples = round(energy.cycles * window.grid.period)
     wanted = int(setting.record_cycles)
     short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
+    recorded = scalars.get(RECORDED, math.nan)
     return RunEnergy(
         run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
         u_noise=noise_of(energy, force, acceleration, samples),
@@ -81,7 +83,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         use=_use(scalars),
         ledger=_ledger(record, run, setting, window, stretches),
         coil=_coil(record, run, window, energy, samples),
-        recorded=scalars.get(RECORDED),
+        recorded=recorded if math.isfinite(recorded) else None,
         u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
         clip_ratio=_clip_ratio(record, run) if bits & OVERLOAD else 0.0,
     )  # fmt: skip

@@ -17,7 +17,6 @@ from rig.scene import (
     BEDS,
     BUILT_BEDS,
     BUILT_MODES,
-    COUPLED_BEDS,
     HORIZONTAL_ONLY_BEDS,
     Acquire,
     Drive,
@@ -61,9 +60,6 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
         yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
     if drive.mode not in BUILT_MODES:
         yield Conflict(("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES))
-    if drive.mode == "coupled" and scene.bed not in COUPLED_BEDS:
-        found = f"the bed {scene.bed} in coupled drive, not built yet"
-        yield Conflict(("scene.bed", "drive.mode"), found, f"{', '.join(COUPLED_BEDS)}, or drive.mode: servo")
     if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
         able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
         waiting = [bed for bed in able if bed not in BUILT_BEDS]

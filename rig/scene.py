@@ -18,7 +18,6 @@ HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")
 BUILT_MODES = ("servo", "coupled")
-COUPLED_BEDS = ("empty", "locked", "dashpot", "layers")
 EFFECTS = ("linearity", "resonance", "flicker")
 
 

@@ -106,6 +106,7 @@ def turn(a: float, start: float, time: float, band: Array, w: Array, p: Array) -
 
     a : acceleration of the box less that of gravity on the rows. Slip z ends at t = |z|/(band + |a|) and begins anew
     the other way for |a| > band: p = band (time - 2 t) in the direction of a. The implicit law has it all that way.
+    A row that its wall pushes harder than friction could slides nowhere.
     """
     change, rows = 0.0, np.uint64(w.shape[0])
     for begin in range(np.uint64(0), rows, CHUNK):
@@ -117,7 +118,7 @@ def turn(a: float, start: float, time: float, band: Array, w: Array, p: Array) -
             continue
         for i in range(begin, end):
             z = start - w[i]
-            if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i]:
+            if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i] and abs(p[i]) <= band[i] * time:
                 friction = math.copysign(band[i] * (time - 2.0 * abs(z) / (band[i] + abs(a))), a)
                 if abs(friction) <= abs(p[i]):
                     change += friction - p[i]

@@ -78,7 +78,7 @@ def line(text: str, **changes: list[str]) -> str:
         ),
         ("scene: {slug: {gap: never}}", ["scene.slug.gap: found 'never'"]),
         ("scene: {slug: {gap: -1}}", ["scene.slug.gap: found -1", "or none"]),
-        ("scene: {bed: slug}\ndrive: {mode: coupled}", ["the bed slug in coupled drive, not built yet"]),
+        ("drive: {mode: coupled}\nfidelity: auto", ["the drive coupled with fidelity auto"]),
         ("drive: {mode: coupled}\nmistake: {coil: true}", ["the mistake coil in coupled drive"]),
         ("drive: {mode: coupled}\nacquire: {ranges: {force: auto}}", ["auto in coupled drive"]),
         ("drive: {frequency: 0}", ["drive.frequency: found 0", "above 0 Hz"]),

@@ -1,0 +1,72 @@
+"""Bed `slug` in coupled drive on the whole road: the ledger is read, and a heavy box gives the exact solution."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rig.beds.stack import nominal
+from rig.campaign import Campaign, run
+from rig.catalog import load_rig
+from rig.coupled import CoupledStand
+from rig.drive.command import Command
+from rig.drive.dwell import phasors
+from rig.ledger import COLUMNS
+from rig.protocol import load_protocol
+
+SLUG = """\
+schema: rig/protocol/1
+name: coupled_slug
+scene:
+  cavity: {length: 60 mm, width: 60 mm, height: 60 mm, wall: 30 mm}
+  grains: {material: alumina, diameter: 2 mm, fill: 10 %}
+  bed: slug
+  slug: {restitution: 0, gap: 3 mm}
+  losses: []
+drive: {mode: coupled, frequency: 20 Hz, acceleration: 15 m/s^2}
+acquire:
+  settle: 20 cycles
+  record: 20 cycles
+  analyzer: ideal
+  sensors: {force: ideal, acceleration: ideal}
+vary:
+  scene.axis: [horizontal, vertical, zero_gravity]
+repeats: {n: 1, refill: false}
+seed: 3
+"""
+
+
+def campaign(*sets: str) -> Campaign:
+    protocol = load_protocol(SLUG, sets)
+    return Campaign.of(protocol, load_rig(protocol.rig), SLUG)
+
+
+def test_a_slug_in_a_heavy_box_takes_what_it_takes_on_a_sine(tmp_path: Path) -> None:
+    """Slug over box is 0.4 %: as much the levels of its landings give way, and W goes with their square or cube."""
+    report = run(campaign(), tmp_path, workers=1)
+    assert report["ledger"]["closure_max"] < 1e-6
+    assert len(report["conditions"]) == 3
+    for condition in report["conditions"]:
+        assert condition["runs"][0]["flags"] == []
+        assert abs(condition["E_n_chain"]) <= 1.0
+        assert condition["W_exp"] == pytest.approx(condition["W_T"], rel=3 * 0.0042)
+        assert condition["W_T_recorded"] is None
+
+
+def test_a_slug_that_never_leaves_the_floor_of_a_light_box_loses_nothing() -> None:
+    """0.8 g, a fifth of the box's mass: what rests on the floor is held there, whatever the stinger's mode."""
+    found = campaign(
+        "scene.cavity={length: 40 mm, width: 40 mm, height: 60 mm, wall: 2 mm}", "scene.grains.material=stainless"
+    )
+    rig, condition = found.rig, next(c for c in found.conditions if c.scene.axis == "vertical")
+    scene = condition.scene
+    stand = CoupledStand(scene, rig, condition.drive, nominal(scene, rig), 4096 * 20.0)
+    stand.advance(Command((0.8 + 0j,), 20.0, 10))
+    stand.drain_ledger()
+    signals = stand.advance(Command((0.8 + 0j,), 20.0, 10))
+    level, ledger = abs(phasors(signals[1], 0, 4096 * 20.0, 20.0, 1)[0]), stand.drain_ledger()
+    assert 0.7 * rig.gravity < level < 0.9 * rig.gravity
+    assert np.abs(signals[1]).max() < 1.02 * level
+    # against the energy that goes back and forth in the slug
+    moved = stand.bed_mass * level**2 / (2 * np.pi * 20.0) ** 2
+    assert np.abs(ledger[:, COLUMNS.index("W_c")]).max() < 1e-5 * moved
