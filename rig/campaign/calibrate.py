@@ -1,6 +1,6 @@
 """Setting the emulated rig's losses, once: from the ledger with ideal sensors, never from a factor on W."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -31,14 +31,17 @@ class Account:
     air: float
 
 
-def calibrated(campaign: Campaign, target: float, workers: int) -> Rig:
+def calibrated(
+    campaign: Campaign, target: float, workers: int, progress: Callable[[int, int], None] = lambda _done, _of: None
+) -> Rig:
     """The campaign's rig with `noise` and `air` set in equal shares so that sum W_exp / sum W_T = 1 + target.
 
     Gas and mount count with the bed where the protocol lists them. Raises InputError where a null test of the
     instruments would fail, and where the protocol dissipates nothing or its beds already take more than that.
+    `progress` is called with the runs done, of how many.
     """
     _check_nulls(campaign)
-    accounts = _accounts(campaign, workers)
+    accounts = _accounts(campaign, workers, progress)
     there, predicted, noise, air = (
         sum(getattr(account, name) for account in accounts) for name in ("there", "predicted", "noise", "air")
     )
@@ -74,10 +77,18 @@ def _check_nulls(campaign: Campaign) -> None:
             )  # fmt: skip
 
 
-def _accounts(campaign: Campaign, workers: int) -> Sequence[Account]:
+def _accounts(campaign: Campaign, workers: int, progress: Callable[[int, int], None]) -> Sequence[Account]:
     tables = predictions(campaign.conditions, campaign.rig, workers, campaign.averaged)
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs))
+        found = []
+        try:
+            for account in pool.map(lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs):
+                found.append(account)
+                progress(len(found), len(campaign.runs))
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return found
 
 
 def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Account:

@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from rich.console import Console
-
 from rig.campaign import Campaign
 from rig.campaign.calibrate import calibrated
 from rig.catalog import dump_rig
 from rig.cli.files import write_new
 from rig.cli.output import cores, print_json
-from rig.cli.tables import number
+from rig.cli.progress import progress
+from rig.cli.tables import number, terminal
 from rig.errors import InputError, Mistake
 
 
@@ -17,13 +16,14 @@ def calibrate_rig(campaign: Campaign, target: float, out: Path, force: bool, as_
     """`rig calibrate`: write a rig file with the losses that the target asks for."""
     if out.exists() and not force:
         raise InputError(Mistake(str(out), "", "a file that exists", "a new path, or --force to replace it"))
-    rig = calibrated(campaign, target, cores())
+    with progress("runs", as_json) as watch:
+        rig = calibrated(campaign, target, cores(), watch)
     write_new(out, dump_rig(rig), force)
     facts = {"loss_noise": rig.loss_noise, "loss_air": rig.loss_air, "provenance": dict(rig.provenance)}
     if as_json:
         print_json(facts)
         return
-    console = Console()
+    console = terminal()
     console.print(f"noise {rig.loss_noise:.6g} N s/m, air {rig.loss_air:.6g} N s^2/m^2 -> {out}")
     for name, value in rig.provenance.items():
         console.print(f"  {name}: {number(value)}", highlight=False)

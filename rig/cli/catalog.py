@@ -1,10 +1,8 @@
 """`rig catalog`: every catalog value with its status and source."""
 
-from rich.console import Console
-
 from rig.catalog import listing
 from rig.cli.output import print_json
-from rig.cli.tables import number, table
+from rig.cli.tables import number, table, terminal
 from rig.errors import InputError, Mistake, nearest
 
 KINDS = ("material", "exciter", "transducer", "analyzer", "rig")
@@ -20,4 +18,4 @@ def catalog_table(kind: str, as_json: bool) -> None:
         return
     lines = [(row.kind, row.name, row.field, number(row.value, 6), row.unit, row.status, row.source) for row in rows]
     columns = ("kind", "name", "field", "value", "unit", "status", "source")
-    Console().print(table("", columns, lines, ("kind", "name", "field", "unit", "status", "source")))
+    terminal().print(table("", columns, lines, ("kind", "name", "field", "unit", "status", "source")))

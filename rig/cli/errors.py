@@ -24,7 +24,8 @@ class Commands(TyperGroup):
         except InputError as error:
             sys.exit(_fail(str(error), BAD_INPUT))
         except KeyboardInterrupt:
-            sys.exit(_fail("interrupted; what was recorded is kept, rig run --resume goes on", INTERRUPTED))
+            kept = "; what was recorded is kept, rig run --resume goes on" if ctx.invoked_subcommand == "run" else ""
+            sys.exit(_fail(f"interrupted{kept}", INTERRUPTED))
         except Exception as error:
             code = _known(error)
             if code is None:

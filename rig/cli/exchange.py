@@ -11,6 +11,7 @@ from daq.formats.wave import Spectrum, waves_of
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
 from rig.cli.output import PASSES, print_json, print_result
+from rig.cli.progress import progress
 from rig.cli.sessions import session_file
 from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake, nearest
@@ -23,15 +24,16 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, as
     if to not in SUFFIXES:
         raise InputError(Mistake("--to", "", repr(to), ", ".join(SUFFIXES), nearest(to, SUFFIXES)))
     path = session_file(session)
-    with open_watched(path) as record:
+    with open_watched(path) as record, progress("runs", as_json) as watch:
         runs = _chosen(record, run)
-        written = []
+        written: list[str] = []
         for info in runs:
             file = out if out is not None and run is not None else (out or path.parent / "export") / info.name
             file = file if out is not None and run is not None else file.with_suffix(SUFFIXES[to])
             file.parent.mkdir(parents=True, exist_ok=True)
             _writer(to)(file, record, info)
             written.append(str(file))
+            watch(len(written), len(runs))
     if as_json:
         print_json({"written": written})
         return
