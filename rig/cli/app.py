@@ -158,17 +158,22 @@ def report(
         bool, typer.Option("--tolerate-gaps", help="Read the whole cycles beside a gap; never across one.")
     ] = False,
     png: Annotated[bool, typer.Option("--png", help="Write the figures as PNG files too.")] = False,
+    same_instruments: Annotated[
+        bool, typer.Option("--same-instruments", help="Two sessions: recorded with the same transducers.")
+    ] = False,
     json: Json = False,
 ) -> None:  # fmt: skip
-    """Analyse recorded sessions again, from the records alone.
+    """Analyse a recorded session again, from the record alone; of two sessions, compare them.
 
-    Example: rig report sessions/fill_rate
+    Example: rig report sessions/fill_rate sessions/coupled_fill --out compared
     """
     from rig.cli.watch import go_on_watched
 
     go_on_watched(*session)
-    from rig.cli.sessions import report_sessions
+    from rig.cli.sessions import compare_sessions, report_sessions
 
+    if len(session) == 2:
+        raise typer.Exit(compare_sessions(session, out, json, same_instruments, tolerate_gaps))
     raise typer.Exit(report_sessions(session, out, json, tolerate_gaps, png))
 
 

@@ -35,6 +35,34 @@ def report_sessions(
     return 0 if all(report["verdict"] == PASSES for report in reports) else 1
 
 
+def compare_sessions(
+    sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
+) -> int:
+    """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
+    from analysis.between import compare
+    from analysis.offset import actual_of
+    from analysis.reading import read_session
+    from analysis.report.between import comparison_sentences, write_comparison
+
+    reports, tools = [], []
+    for session in sessions:
+        with open_watched(session_file(session)) as record:
+            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
+            tools.append(actual_of(record.truth))
+    same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
+    found = compare(reports[0], reports[1], same)
+    first, second = (session_file(session).parent for session in sessions)
+    folder = out or second / f"against_{first.resolve().name}"
+    write_comparison(found, folder)
+    if as_json:
+        print_json(found)
+    else:
+        for sentence in comparison_sentences(found):
+            print(sentence)
+        print(f"comparison: {folder / 'comparison.html'}")
+    return 0 if found["pairs"] else 1
+
+
 def validate_session(session: Path, as_json: bool) -> int:
     """`rig info --validate`: every deviation from the session format; 1 where there is one."""
     from analysis.documents import session_document_deviations
