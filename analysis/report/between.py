@@ -165,7 +165,8 @@ def _pairs(found: Found) -> Table:
             "B − A, mJ", "B − A, %", "E_n", "p, Holm", "significant")  # fmt: skip
     rows = tuple(
         (
-            Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), number(row["fill"], 4, 100), number(row["frequency"], 4),
+            Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), number(row["fill"], 4, 100),
+            number(row["frequency"], 4),
             number(row["acceleration_set"], 4), Cell(row["bed_A"]), Cell(row["bed_B"]),
             with_U(row["W_A"], row["U_A"], 1e3), with_U(row["W_B"], row["U_B"], 1e3),
             with_U(row["difference"], row["U_difference"], 1e3), with_U(row["relative"], row["U_relative"], 100),
