@@ -15,6 +15,7 @@ from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, line_through, recorded_ratio
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.three_comparisons import comparisons, model_row
 from analysis.verdict import CHAIN_SHARE, verdict
 from analysis.waveforms import waveforms
 
@@ -88,6 +89,7 @@ def agreement(
             for result in results
         ],
         "agreement": _agreement(results),
+        "comparisons": comparisons(results),
         "causes": causes(results, conditions, channels, assumed),
         "claims": judge(expect, {result.setting.id: result for result in results}),
         "nulls": [null.row() for null in nulls],
@@ -145,7 +147,7 @@ def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> 
         "offset": difference.value / scale if difference and scale else None,
         "U_offset": difference.U / scale if difference and scale else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
-        **_recorded(result),
+        **model_row(result), **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
         "E_n_coil": _E_n(result.coil_apart),
         "uncertainty": [

@@ -38,7 +38,8 @@ class Result:
     detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
-    (W_exp, W_T) of each run, J per cycle; empty without a prediction.
+    (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
+    the model's parameters; empty where none were given.
     """
 
     setting: Setting
@@ -54,6 +55,7 @@ class Result:
     coil_apart: Estimate | None = None
     recorded: Recorded | None = None
     pairs: tuple[tuple[float, float], ...] = ()
+    model: tuple[float, ...] = ()
 
     @property
     def comparable(self) -> bool:
@@ -112,6 +114,7 @@ def evaluate(
         coil_apart=by_coil[1],
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
         pairs=pairs,
+        model=tuple((entry or {}).get("model") or ()),
     )
 
 

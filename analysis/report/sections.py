@@ -39,7 +39,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
         part("Flags", (), tables.flags(report)),
         part("Energy per cycle", energy_plots(report), tables.conditions(report), tables.recorded(report),
              tables.coil(report)),
-        part("Offset of measured from predicted", (offset_plot(report),)),
+        part("Offset of measured from predicted", (offset_plot(report),), tables.comparisons(report)),
         part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
         part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
         part("Uncertainty", (), tables.budget(report)),

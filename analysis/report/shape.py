@@ -53,14 +53,18 @@ CONDITION = Keys(
         _each("thd_force thd_acceleration", SIZE),
         {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
         {"offset_terms": Keys(dict.fromkeys(TERMS, VALUE), null=True)},
-    )
+    ),
+    _each("W_T_low W_T_high E_n_model", KNOWN),
 )
+LINE = Keys(_each("slope U_slope intercept U_intercept chi2 dof", VALUE), null=True)
+COMPARISON = Keys(_all(_each("comparison against why", Text()), _each("n within", Number(0, whole=True))))
 AGREEMENT = Keys(
     _all(
         {"n": Number(0, whole=True)},
         _each("ratio slope mean_offset put_in ratio_recorded", KNOWN),
         _each("U_ratio k nu U_slope U_ratio_recorded", SIZE),
-    )
+    ),
+    {"line": LINE},
 )
 CAUSE = Keys(
     _all(
@@ -126,6 +130,7 @@ REPORT = Keys(
         {"left_out": List(Keys(_each("run why", Text()))), "instruments": List(INSTRUMENT), "assumed": List(ASSUMED)},
     ),
     {
+        "comparisons": List(COMPARISON),
         "fidelity": FIDELITY,
         "mistake": MISTAKE,
         "failures": WORDS,

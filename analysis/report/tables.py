@@ -6,7 +6,8 @@ from typing import Any
 from analysis.report.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
 
 __all__ = [
-    "budget", "claims", "coil", "conditions", "flags", "instruments", "nulls", "recorded", "references", "values",
+    "budget", "claims", "coil", "comparisons", "conditions", "flags", "instruments", "nulls", "recorded", "references",
+    "values",
 ]  # fmt: skip
 
 Report = dict[str, Any]
@@ -44,6 +45,22 @@ def conditions(report: Report) -> Table:
     if impossible:
         note += f" The paper's own formula exceeds the hard bound, and is impossible, in {', '.join(impossible)}."
     return Table("Conditions", note, head, tuple(rows))
+
+
+def comparisons(report: Report) -> Table:
+    """The three comparisons: what was compared with what, and how often it agrees."""
+    rows = tuple(
+        (
+            Cell(row["comparison"]), Cell(f"W_exp against {row['against']}"), Cell(str(row["n"]), row["n"]),
+            Cell(str(row["within"]), row["within"]), Cell(row["why"]),
+        )
+        for row in report.get("comparisons", ())
+    )  # fmt: skip
+    note = (
+        "Three questions that are never mixed. Chain: do instruments and analysis read what was there? Prediction: is "
+        "it what the formula gives? Model: is the formula right, as uncertain as its own parameters are?"
+    )
+    return Table("Comparisons", note, ("comparison", "what", "conditions", "within U", "what it cannot tell"), rows)
 
 
 def recorded(report: Report) -> Table:

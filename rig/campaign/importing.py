@@ -29,6 +29,7 @@ from rig.mapping import (
 from rig.plan import condition_facts, prediction_document, predictions
 from rig.provenance import now, provenance
 from rig.scene import Drive, Protocol
+from rig.spread import model_ratios
 
 Array = NDArray[np.float64]
 
@@ -137,7 +138,11 @@ def _condition(
     condition = replace(protocol.conditions()[0], id=known.id)
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
-    return {**facts, **times, "drive": "measured", "losses": []}, prediction_document(found)["conditions"]
+    predicted = prediction_document(found)["conditions"]
+    ratios = model_ratios(condition, rig)
+    if ratios is not None:
+        predicted[known.id]["model"] = list(ratios)
+    return {**facts, **times, "drive": "measured", "losses": []}, predicted
 
 
 def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationColumn], ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from analysis.uncertainty import angle_uncertainty, certificate_lines, combine
+from analysis.uncertainty import angle_uncertainty, certificate_lines, combine, noise_at, resolution_lines
 from daq.channel import ChannelInfo
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
@@ -41,6 +41,11 @@ POURINGS = 8
 BYTES_PER_SAMPLE = 4
 CONFIDENCE = 0.975
 
+OFFSET = 0.07
+"""Offset from W_T, relative, that the planned number of repeats should tell from none: the paper's."""
+
+MOST_REPEATS = 100
+
 
 @dataclass(frozen=True)
 class Outlook:
@@ -50,6 +55,7 @@ class Outlook:
     range_force, range_acceleration : peak over the range of the channel
     stopped : what keeps the level from being reached in coupled drive, "" for nothing
     W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
+    repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None where no number up to 100 is enough
     """
 
     id: str
@@ -68,6 +74,7 @@ class Outlook:
     U_W_exp: float | None
     W_detect: float
     smallest_difference: float | None
+    repeats_needed: int | None
     seconds_per_cycle: float
     stopped: str = ""
 
@@ -121,7 +128,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
     point = predict(condition, rig, campaign.averaged.get(condition.id, AVERAGED_CYCLES))
-    U, difference = _plan(campaign, condition, channels, look.lost, float(reactive))
+    U, difference, needed = _plan(campaign, condition, channels, look, float(reactive))
     return Outlook(
         id=condition.id,
         material=scene.grains.material,
@@ -139,6 +146,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         U_W_exp=U,
         W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
         smallest_difference=difference,
+        repeats_needed=needed,
         seconds_per_cycle=look.seconds,
         stopped=look.stopped,
     )
@@ -209,19 +217,32 @@ def apparent_mass(stand: Stand, motion: Waveform) -> float:
 
 
 def _plan(
-    campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], W: float, reactive: float
-) -> tuple[float | None, float | None]:
-    """Expected U of W_exp, smallest decidable difference of two conditions, J; None where one run shows no scatter."""
-    n = campaign.protocol.repeats.n
-    s = _scatter(campaign, condition)
+    campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], look: Look, reactive: float
+) -> tuple[float | None, float | None, int | None]:
+    """Expected U of W_exp, smallest decidable difference of two conditions, J; None where one run shows no scatter.
+    Repeats needed, see Outlook."""
+    n, s, W = campaign.protocol.repeats.n, _scatter(campaign, condition), look.lost
+    frequency, rate = condition.drive.frequency, campaign.lengths[condition.id].rate
+    force, acceleration = channels[:2]
+    tops = float(np.hypot(look.mass * look.level, W * 4.0 * np.pi * frequency**2 / max(look.level, 1e-12))), look.level
+    lines = (
+        *certificate_lines(force, acceleration, frequency, W, reactive, amplitudes=tops),
+        *resolution_lines(W, reactive),
+    )
+    certified = [(line.part, line.nu) for line in lines]
+    samples = round(condition.acquire.record * rate / frequency)
+    noise = noise_at(frequency, *tops, force, acceleration, samples, rate)
+
+    def expected(repeats: int) -> float:
+        """U with so many repeats; noise is part of their scatter."""
+        nu = repeats - 1.0 if repeats > 1 else np.inf
+        return combine(W, [*certified, (float(np.hypot(s, noise)) / np.sqrt(repeats), nu)]).U
+
+    needed = next((m for m in range(2 if s > 0.0 else 1, MOST_REPEATS + 1) if expected(m) <= OFFSET * W), None)
     if n == 1 and s > 0.0:
-        return None, None
-    lines = certificate_lines(channels[0], channels[1], condition.drive.frequency, W, reactive)
-    parts = [(line.part, line.nu) for line in lines]
-    if n > 1:
-        parts.append((s / np.sqrt(n), n - 1.0))
+        return None, None, needed
     factor = stdtrit(2.0 * (n - 1), CONFIDENCE) * np.sqrt(2.0 / n) if n > 1 else 0.0
-    return combine(W, parts).U, float(factor * s)
+    return expected(n), float(factor * np.hypot(s, noise)), needed
 
 
 def _scatter(campaign: Campaign, condition: Condition) -> float:

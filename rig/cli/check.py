@@ -85,13 +85,14 @@ def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float]) -> 
         (
             o.id, *map(millijoules, (o.W_T, o.W_exp)), *(millijoules(value, 2) for value in (
                 o.U_W_exp, o.W_detect, o.smallest_difference)),
+            "-" if o.repeats_needed is None else str(o.repeats_needed),
         )
         for o in outlooks
     ]  # fmt: skip
-    energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference")
+    energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference", "repeats for 7 %")
     console.print(
         table(
-            "Plan, mJ per cycle: what the repeats will be able to tell (95 %); - for one repeat",
+            "Plan, mJ per cycle: what the repeats will be able to tell (95 %), - for one repeat; repeats for U of 7 %",
             energies,
             lines,
             ("id",),

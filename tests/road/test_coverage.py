@@ -21,7 +21,7 @@ name: coverage
 scene: {{grains: {{material: stainless, diameter: 8 mm, fill: 85 %}}, layers: {{rows: {rows}}}}}
 acquire: {{settle: {settle} cycles, record: 4 cycles{more}}}
 vary: {{drive.acceleration: [1.5 m/s^2, 4 m/s^2]}}
-repeats: 3
+repeats: 4
 """
 PLANS = {
     "DC": TEXT.format(rows=4, settle=4, more=""),
