@@ -52,7 +52,7 @@ code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
   td.t { grid-column: 1 / -1; }
   td:first-child { font-weight: 600; }
   td:empty { display: none; }
-  td::before { color: var(--soft); font-size: .6875rem; font-weight: 400; }
+  td::before { color: var(--soft); font-size: .6875rem; font-weight: 400; flex: none; max-width: 60%; }
   td.t::before { display: block; }
 }
 @media print {
@@ -77,7 +77,8 @@ for (const button of document.querySelectorAll("th button")) button.addEventList
   rows.sort((a, b) => {
     const blank = isNaN(a.value) - isNaN(b.value);
     if (blank) return blank;
-    const order = isNaN(a.value) ? a.text.localeCompare(b.text, "en", { numeric: true }) : a.value - b.value;
+    const words = isNaN(a.value), same = a.value === b.value;
+    const order = words ? a.text.localeCompare(b.text, "en", { numeric: true }) : same ? 0 : a.value - b.value;
     return down ? -order : order;
   });
   body.append(...rows.map(entry => entry.row));

@@ -7,11 +7,10 @@ import re
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
-from analytic_record import NOMINAL, Bench, condition, dashpot_energy, prediction_for, session
+from page_report import demo_report
 
-from analysis import read_session, write_report
+from analysis import write_report
 from analysis.report import wording
 from analysis.report.cells import significant, with_U
 from analysis.report.energy_figures import swept
@@ -22,25 +21,7 @@ from analysis.report.sections import plots, sections
 
 @pytest.fixture(scope="module")
 def report():
-    table = [
-        condition(
-            f"c{i}{j}", fill=fill, bed_mass=44.8 * fill, carried=fill == 1, acceleration_set=a, settle_cycles=1,
-            record_cycles=4,
-        )
-        for i, fill in enumerate((0.0, 0.5, 0.9, 1.0))
-        for j, a in enumerate((2.0, 3.0, 4.0, 5.0))
-    ]  # fmt: skip
-
-    def bed(entry):
-        return 300 * entry["fill"] * (entry["fill"] < 1)
-
-    documents = {
-        "prediction": prediction_for(table, lambda entry, a: dashpot_energy(bed(entry), a), 1e-3),
-        "protocol": {"name": "demo", "question": "Is 5 < 6 & true?"},
-        "rig": {"values": [{"path": "mu", "value": 0.45, "unit": "", "status": "assumed", "source": "<b>us</b> | me"}]},
-    }
-    bench = Bench(channels=dict(NOMINAL), noise=(0.02, 5e-4), level_error=0.003, samples=6 * 512)
-    return read_session(session(table, lambda entry, _r: 20 + bed(entry), bench, np.random.default_rng(4), **documents))
+    return demo_report()
 
 
 class Page(HTMLParser):
