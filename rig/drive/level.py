@@ -51,6 +51,10 @@ JUMP_SLOPE = 2.0
 AIM = 0.7
 """Share of the tolerance within which a mean is left as it is: a slow drift has room."""
 
+PATIENCE = 18
+"""Cycles after which the whole tolerance will do, or the mean's own standard error: no correction more that starts a
+mean anew."""
+
 AT_LIMIT = 0.99
 """Share of a limit from which on the command is not raised."""
 
@@ -131,9 +135,11 @@ def stepped(
     doubt = loop.scatter / math.sqrt(max(len(window) - 2, 1))
     sure = doubt <= 0.5 * target.tolerance
     # a mean of `longest` cycles that scatter is not told from the target within its own standard error
-    inside = abs(error) <= max(math.log1p(AIM * target.tolerance), doubt if len(window) > target.longest else 0.0)
+    late = loop.cycles > PATIENCE
+    taken = late or len(window) > target.longest
+    inside = abs(error) <= max(math.log1p((1.0 if late else AIM) * target.tolerance), doubt if taken else 0.0)
     far = abs(error) > NEAR + 2.0 * loop.scatter
-    full = loop.fresh > (target.hold if inside else LEAST - 1) and (sure or len(window) > target.longest)
+    full = loop.fresh > (target.hold if inside and not late else LEAST - 1) and (sure or taken)
     if full and inside and _distortion(means, loop.command) <= target.flat:
         return replace(loop, status="reached", limit="")
     stuck = _at_limit(shares) if error > 0.0 and not inside else ""
