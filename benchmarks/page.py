@@ -20,9 +20,9 @@ machine: `rig bench --out DIR` (some minutes) or `rig bench --quick` (under a mi
 Measured {created} on {cpu}, {cores} cores, load {load} at the start; Python {python}, {packages}; commit {commit}.
 
 Times are wall times, medians of the rounds, with the least and the largest in brackets. What is compared is measured
-in turn, in one process, in every round; a short call is repeated for at least a millisecond and the shortest of three
-such batches counts; the first calls, which compile, are left out. Ratios are formed round by round, so that what
-slows both down falls out."""
+in turn, in one process, in every round; a short call is repeated for half a millisecond and the shortest of seven such
+batches counts; the first calls, which compile, are left out. Ratios are formed round by round, so that what slows both
+down falls out. On a machine that others use, too, times scatter and long calls suffer most: look at the load."""
 
 TEXTS = {
     "claims": """## What is claimed

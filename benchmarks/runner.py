@@ -30,23 +30,21 @@ def jobs(quick: bool) -> tuple[Job, ...]:
     problems = sliders.sliders() + sliders.slugs()
     if quick:
         problems = (problems[1], problems[3], problems[6], problems[8])
-    found = [
-        Job(one.name, 1.5 if quick else 10.0, partial(precision.precision, one, rounds, quick)) for one in problems
-    ]
+    found = [Job(one.name, 3.0 if quick else 8.0, partial(precision.precision, one, rounds, quick)) for one in problems]
     found += [
-        Job(f"layers at {level:g} m/s2", 3.0 if quick else 18.0, partial(beds.layers, level, few - 1, quick))
+        Job(f"layers at {level:g} m/s2", 3.0 if quick else 8.0, partial(beds.layers, level, few - 1, quick))
         for level in ((2.0, 5.0) if quick else (1.0, 2.0, 3.0, 4.0, 5.0))
     ]
     found += [
-        Job("drift of the account", 1.0 if quick else 8.0, partial(beds.drift, 10_000 if quick else 100_000)),
-        Job("chain", 0.2, partial(chain.chain, 10, rounds, quick)),
+        Job("drift of the account", 1.0 if quick else 5.0, partial(beds.drift, 10_000 if quick else 100_000)),
+        Job("chain", 0.5 if quick else 2.5, partial(chain.chain, 10, rounds, quick)),
         Job("acquisition", 1.0 if quick else 3.0, partial(records.acquisition, rounds, quick)),
         Job("recorder", 2.0, partial(records.recorder, rounds)),
         Job("analysis and replay", 4.0 if quick else 8.0, partial(records.reading, few, quick)),
-        Job("fill protocol", 14.0 if quick else 50.0, partial(records.fill, 2 if quick else 5, quick)),
+        Job("fill protocol", 12.0 if quick else 45.0, partial(records.fill, 2 if quick else 5, quick)),
     ]
     found += [
-        Job(f"scaling: {axis}", 2.0 if quick else 8.0, partial(scaling.scaling, axis, few, quick))
+        Job(f"scaling: {axis}", 1.5 if quick else 5.0, partial(scaling.scaling, axis, few, quick))
         for axis in scaling.AXES
     ]
     if not quick:

@@ -6,10 +6,10 @@ import tracemalloc
 from collections.abc import Callable, Mapping
 from typing import Any
 
-LEAST = 1e-3
+LEAST = 5e-4
 """Seconds that one measurement lasts at least: short calls are repeated, and the time of one of them is given."""
 
-BATCHES = 3
+BATCHES = 7
 """Measurements of a short call per round, the shortest of which counts: others on the machine only ever add time."""
 
 MOST_CALLS = 1000

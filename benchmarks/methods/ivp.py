@@ -40,7 +40,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
             return y[1], math.sin(t) - pull
 
         found = solve_ivp(
-            slope, (t, TWO_PI * (cycle + 1)), (u, z), method, events=_events(slider, mode), rtol=setting,
+            slope, (t, TWO_PI * (cycle + 1)), (u, z), method, events=_events(slider, mode, t), rtol=setting,
             atol=0.01 * setting, max_step=LARGEST,
         )  # fmt: skip
         if not found.success:
@@ -66,8 +66,11 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
     return Work(sum(lost[settle:]) / average, events, rhs, steps, 0)
 
 
-def _events(slider: Slider, mode: int) -> tuple[object, object, object]:
-    """Arrival at the floor, at the lid, and standstill against friction."""
+def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, object]:
+    """Arrival at the floor, at the lid, and standstill against friction.
+
+    A slide begins at standstill: where its first step ends behind the next one, the root search would find the start.
+    """
 
     def floor(_: float, y: tuple[float, float]) -> float:
         return y[0] if y[1] < 0.0 else 1.0
@@ -75,8 +78,8 @@ def _events(slider: Slider, mode: int) -> tuple[object, object, object]:
     def lid(_: float, y: tuple[float, float]) -> float:
         return slider.play - y[0] if y[1] > 0.0 else 1.0
 
-    def stop(_: float, y: tuple[float, float]) -> float:
-        return mode * y[1] if slider.band > 0.0 else 1.0
+    def stop(t: float, y: tuple[float, float]) -> float:
+        return mode * y[1] if slider.band > 0.0 and t > start else 1.0
 
     for event in (floor, lid, stop):
         vars(event).update(terminal=True, direction=-1)

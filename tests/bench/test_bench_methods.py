@@ -56,8 +56,8 @@ def test_time_stepping_is_of_order_one(method: Method) -> None:
 
 
 @pytest.mark.parametrize("method", [m for m in METHODS if m.group == "solve_ivp"], ids=lambda m: m.name)
-def test_solve_ivp_with_events_converges(method: Method) -> None:
-    problem = rough(0.1, 1.3)
+@pytest.mark.parametrize("problem", [rough(0.1, 1.3), elastic(0.2, 1.3, 0.25)], ids=lambda p: p.name)
+def test_solve_ivp_with_events_converges(method: Method, problem: Slider) -> None:
     coarse, fine = error(method, problem, 1e-4, 1), error(method, problem, 1e-8, 1)
     assert fine < 1e-6
     assert fine <= max(coarse, 1e-9)  # DOP853 is there already: events cut its steps short

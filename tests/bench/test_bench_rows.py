@@ -20,6 +20,8 @@ from benchmarks.tables import number, tables
 from benchmarks.timing import interleaved, ratios
 from rig.cli.bench import bench
 
+DOCS = Path(__file__).parents[2] / "docs"
+
 
 def stuck(slider: Slider, setting: float, *_: int) -> Work:
     raise Failed(f"{slider.name}: no end at {setting:g}")
@@ -165,3 +167,9 @@ def test_the_shipped_jobs_are_complete() -> None:
     """Quick measures the same kinds of things, on fewer problems."""
     quick, full = ({job.title.partition(" ")[0] for job in jobs(which)} for which in (True, False))
     assert {"layers", "drift", "chain", "acquisition", "recorder", "analysis", "fill", "scaling:"} <= quick <= full
+
+
+def test_the_performance_page_is_what_its_rows_give() -> None:
+    """docs/performance.md is the output of `rig bench --out docs`: written by nobody's hand."""
+    rows = read_rows(DOCS / JSONL)
+    assert (DOCS / PAGE).read_text(encoding="utf-8") == page(rows)
