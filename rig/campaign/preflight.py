@@ -189,6 +189,7 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     seconds = (time.perf_counter() - started) / (cycles + HELD)
     last = signals[:2, -round(HELD // 2 * rate / frequency) :]
     force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in last)
+    recorded = _within(last, rate, PASS_BAND * rate / OVERSAMPLING)
     scalars = dwelling.scalars()
     level = abs(acceleration)
     return Look(
@@ -196,11 +197,19 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
         lost=_lost(rows[HELD // 2 :]),
         level=level,
         mass=(force * acceleration.conjugate()).real / level**2 if level else 0.0,
-        force=float(np.abs(last[0]).max()),
-        acceleration=float(np.abs(last[1]).max()),
+        force=float(np.abs(recorded[0]).max()),
+        acceleration=float(np.abs(recorded[1]).max()),
         seconds=seconds,
         stopped=next((name for name in STOPS if scalars[f"stopped_by_{name}"]), ""),
     )
+
+
+def _within(signals: Array, rate: float, band: float) -> Array:
+    """Signals (channels, samples) over whole cycles without what lies above a band (Hz): the peaks of impacts that the
+    anti-alias filter leaves of them."""
+    spectrum = np.fft.rfft(signals, axis=1)
+    spectrum[:, np.fft.rfftfreq(signals.shape[1], 1.0 / rate) > band] = 0.0
+    return np.fft.irfft(spectrum, signals.shape[1], axis=1)
 
 
 def _lost(rows: Array) -> float:
