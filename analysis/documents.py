@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from analysis.runs import CONDITION, AnalysisError
-from daq.shapes import Each, Either, Keys, List, Number, Shape, Text, deviations
+from daq.shapes import Each, Either, Keys, List, Number, Shape, Text, YesNo, deviations
 
 if TYPE_CHECKING:
     from daq.session import Record
@@ -32,12 +32,21 @@ EXPECT = List(Keys({
     "imposed": Text(), "cases": List(Keys({"at": Each(Text()), "levels": List(LEVEL)})),
 }))  # fmt: skip
 VALUE = Keys({"path": Text()}, {name: Text(null=True) for name in ("unit", "status", "source")})
+THING, SHARE = Number(1e-9, 1e12), Number(0.0, 1e9)
 INSTRUMENT = Keys(
-    {"sensitivity": Number(), "time_constant": Number(0.0, above=True, null=True), "gain": Number()},
+    {"sensitivity": THING, "time_constant": Number(0.0, above=True, null=True), "gain": THING},
     {"corner": Number(0.0, null=True), "skew": Number(-1.0, 1.0)},
 )
 
-THING, SHARE = Number(1e-9, 1e12), Number(0.0, 1e9)
+SOME = Number(null=True)
+COUNTS = Keys(dict.fromkeys(("auto", "written", "resolved"), SOME), {"planning": SOME})
+_CHOICE: dict[str, Shape] = {"id": Text(), "met": YesNo(), "why": Text(null=True), "skipped": List(Text())}
+_CHOICE |= dict.fromkeys(("rows", "settle", "record", "error", "error_rows", "error_window", "error_noise"), SOME)
+_CHOICE |= dict.fromkeys(("written", "resolved"), List(SOME, least=3, most=3))
+FIDELITY = Keys({
+    "tolerance": Number(1e-9, 1e9), "rows_share": Number(), "cycles": COUNTS, "row_cycles": COUNTS,
+    "not_met": List(Text()), "conditions": List(Keys(_CHOICE)),
+})  # fmt: skip
 EXCITER = Keys(
     dict.fromkeys(("force_constant", "band", "moving_mass", "body_mass"), THING)
     | dict.fromkeys(("flexure_stiffness", "isolation_stiffness", "stinger_stiffness"), THING)
@@ -51,6 +60,7 @@ DOCUMENTS: Mapping[str, Shape] = {
     "protocol": Keys({}, {"name": Text(), "question": Text(), "expect": EXPECT}),
     "rig": Keys({}, {"name": Text(), "values": List(VALUE)}),
     "exciter": EXCITER,
+    "fidelity": FIDELITY,
     "provenance": Keys({}),
 }
 """The session's documents by name (docs/session-format.md). Others are free, and so are further keys in these."""

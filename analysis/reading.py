@@ -156,7 +156,7 @@ def read_session(
         left_out=left_out,
         expect=protocol.get("expect", ()),
         actual=actual_of(record.truth),
-        fidelity=record.document("fidelity"),
+        fidelity=checked("fidelity", record.document("fidelity")),
         resolved=_resolved({"protocol": protocol, "rig": rig}),
     )
 

@@ -21,6 +21,7 @@ __all__ = [
     "block_deviations",
     "channel_deviations",
     "channel_of",
+    "condition_deviations",
     "plan_deviations",
     "plans_of",
     "read_channel_rows",
@@ -99,6 +100,14 @@ def plans_of(runs: Any) -> dict[str, RunPlan]:
     refuse(plan_deviations(runs))
     known = {item.name for item in dataclasses.fields(RunPlan)}
     return {run["name"]: RunPlan(**{key: value for key, value in run.items() if key in known}) for run in runs}
+
+
+def condition_deviations(plans: Mapping[str, RunPlan], conditions: Iterable[str]) -> Iterator[str]:
+    """Runs of conditions that the session does not list."""
+    known = set(conditions)
+    for name, plan in plans.items():
+        if plan.condition not in known:
+            yield f"{name} is of the condition {plan.condition[:40]!r}, which session/conditions does not list"
 
 
 def read_channel_rows(file: Any) -> dict[str, dict[str, Any]]:

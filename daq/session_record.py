@@ -17,6 +17,7 @@ from daq.session_content import (
     block_deviations,
     channel_deviations,
     channel_of,
+    condition_deviations,
     plans_of,
     read_channel_rows,
     read_json,
@@ -144,7 +145,9 @@ class Record:
         with self.readable():
             conditions = read_json(self._file, "session/conditions")
             refuse(deviations(conditions, List(Keys({"id": Text()})), "session/conditions"))
-            return {condition["id"]: condition for condition in conditions}
+            found = {condition["id"]: condition for condition in conditions}
+            refuse(condition_deviations(self._plans, found))
+            return found
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:

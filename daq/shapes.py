@@ -85,10 +85,11 @@ class YesNo:
 
 @dataclass(frozen=True)
 class List:
-    """A list of at least `least` values of one shape."""
+    """A list of at least `least` and at most `most` values of one shape."""
 
     item: "Shape"
     least: int = 0
+    most: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -148,8 +149,9 @@ def deviations(value: Any, shape: Shape, path: str = "") -> Iterator[str]:
             if not shape.holds(value):
                 yield f"{path} is {_quoted(value)}, expected {shape}"
         case List():
-            if not isinstance(value, list) or len(value) < shape.least:
-                yield f"{path} is {_quoted(value)}, expected a list of at least {shape.least}"
+            if not isinstance(value, list) or not shape.least <= len(value) <= shape.most:
+                most = f" and at most {shape.most}" if shape.most < math.inf else ""
+                yield f"{path} is {_quoted(value)}, expected a list of at least {shape.least}{most}"
                 return
             for position, item in enumerate(value):
                 yield from deviations(item, shape.item, f"{path}[{position}]")

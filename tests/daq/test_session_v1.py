@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -66,8 +67,9 @@ def test_the_page_names_every_object_attribute_and_key() -> None:
 
 
 def test_the_reading_of_the_page_gives_the_signal() -> None:
-    program = PAGE.partition("```python\n")[2].partition("```")[0].replace('"session.h5"', repr(str(SESSION)))
+    program = PAGE.partition("```python\n")[2].partition("```")[0]
     scope: dict[str, object] = {}
+    program = re.sub(r'"[^"]*\.h5"', repr(str(SESSION)), program)
     exec(program.replace(", swmr=True", ""), scope)  # the packed file was not written in the newest mode
     with open_session(SESSION) as record:
         signal = record.signal("run_0001", "force").samples
