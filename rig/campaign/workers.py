@@ -8,9 +8,11 @@ import multiprocessing
 import os
 import queue
 import sys
+import threading
+import time
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import Any
 
 from daq.clock import Overrun, Pacer
@@ -80,6 +82,7 @@ def _received(processes: Sequence[Any], ready: Any) -> Iterator[Part]:
 
 def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any, speed: float | None) -> None:
     """One worker: the next run in order, until none is left."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         while True:
             with following.get_lock():
@@ -105,12 +108,14 @@ def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any
         _deliver(ready, WorkerFailed(traceback.format_exc()))
 
 
-def _deliver(ready: Any, item: Part | BaseException | None) -> None:
-    """Wait for room; end with the calling process, whose lock on the session this process would otherwise keep."""
+def _end_with_parent() -> None:
+    """End this process soon after the one that started it has died: a queue that nobody reads holds it for ever."""
     parent = multiprocessing.parent_process()
-    while True:
-        with suppress(queue.Full):
-            ready.put(item, timeout=POLL)
-            return
-        if parent is not None and not parent.is_alive():
-            os._exit(1)
+    while parent is not None and parent.is_alive():
+        time.sleep(POLL)
+    os._exit(1)
+
+
+def _deliver(ready: Any, item: Part | BaseException | None) -> None:
+    """Wait for room."""
+    ready.put(item)
