@@ -88,23 +88,31 @@ def _voltage(y: Array, i_rate: float, on: Machine) -> float:
     return voltage
 
 
-@njit(cache=True, nogil=True)
-def _powers(y: Array, force: float, e: float, e_rate: float, i_rate: float, on: Machine, q: Array, dq: Array) -> None:
-    """The powers of accounts GAUGE to SQUARE at one instant, in `q`, and their rates of change, in `dq`."""
+@njit(cache=True, nogil=True, inline="always")
+def _add_powers(y: Array, weight: float, on: Machine, accounts: Array) -> None:
+    """Add the powers of the mechanical accounts at one instant, times `weight`."""
+    v, vs, vr = y[V], y[VA] - y[V], y[VA] - y[VB]
+    accounts[GAUGE] += weight * (on.stinger * (y[XA] - y[X]) + on.stinger_damping * vs) * v
+    accounts[FLEXURE] += weight * on.flexure_damping * vr * vr
+    accounts[STINGER] += weight * on.stinger_damping * vs * vs
+    accounts[ISOLATION] += weight * on.isolation_damping * y[VB] ** 2
+    accounts[COIL] += weight * on.force_constant * y[I] * vr
+    accounts[SQUARE] += weight * v * v
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _add_rates(y: Array, force: float, i_rate: float, weight: float, on: Machine, accounts: Array) -> None:
+    """Add the rates of change of these powers, times `weight`; `i_rate` : of the current, in the coil's power."""
     aa, ab, a = _rates(y, on, force)
-    i, v = y[I], y[V]
-    vr, ar = y[VA] - y[VB], aa - ab
-    vs, as_ = y[VA] - v, aa - a
+    v, vs, vr = y[V], y[VA] - y[V], y[VA] - y[VB]
     pull = on.stinger * (y[XA] - y[X]) + on.stinger_damping * vs
-    pull_rate = on.stinger * vs + on.stinger_damping * as_
-    q[GAUGE], dq[GAUGE] = pull * v, pull_rate * v + pull * a
-    q[ELECTRIC], dq[ELECTRIC] = e * i, e_rate * i + e * i_rate
-    q[COPPER], dq[COPPER] = on.resistance * i * i, 2.0 * on.resistance * i * i_rate
-    q[FLEXURE], dq[FLEXURE] = on.flexure_damping * vr * vr, 2.0 * on.flexure_damping * vr * ar
-    q[STINGER], dq[STINGER] = on.stinger_damping * vs * vs, 2.0 * on.stinger_damping * vs * as_
-    q[ISOLATION], dq[ISOLATION] = on.isolation_damping * y[VB] ** 2, 2.0 * on.isolation_damping * y[VB] * ab
-    q[COIL], dq[COIL] = on.force_constant * i * vr, on.force_constant * (i_rate * vr + i * ar)
-    q[SQUARE], dq[SQUARE] = v * v, 2.0 * v * a
+    pull_rate = on.stinger * vs + on.stinger_damping * (aa - a)
+    accounts[GAUGE] += weight * (pull_rate * v + pull * a)
+    accounts[FLEXURE] += weight * 2.0 * on.flexure_damping * vr * (aa - ab)
+    accounts[STINGER] += weight * 2.0 * on.stinger_damping * vs * (aa - a)
+    accounts[ISOLATION] += weight * 2.0 * on.isolation_damping * y[VB] * ab
+    accounts[COIL] += weight * on.force_constant * (i_rate * vr + y[I] * (aa - ab))
+    accounts[SQUARE] += weight * 2.0 * v * a
 
 
 @njit(cache=True, nogil=True)
@@ -154,42 +162,70 @@ def _within(path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Ma
 
 @njit(cache=True, nogil=True)
 def _account(
-    path: Array, stop: int, k0: int, force: float, impulse: float, feed: Feed, command: Array, on: Machine,
-    signals: Array, accounts: Array, q: Array, dq: Array,
-) -> None:  # fmt: skip
-    """Signals and accounts of the intervals of a step; `impulse` : of the box on all but the stinger, per interval."""
+    path: Array, stop: int, k0: int, force: float, feed: Feed, command: Array, on: Machine, accounts: Array
+) -> None:
+    """Accounts of a step: the end corrections of neighbouring intervals cancel but for what jumps at an edge, the rate
+    of the current behind a current amplifier, of the voltage behind another."""
+    h, end = on.interval, path[stop]
+    stuck = not math.isnan(feed.limit)
+    for k in range(stop + 1):
+        _add_powers(path[k], 0.5 * h if k == 0 or k == stop else h, on, accounts)
+    start_rate, end_rate = 0.0, 0.0
+    if not feed.by_current:
+        e = feed.limit if stuck else command[k0]
+        e_end = feed.limit if stuck else command[k0 + stop]
+        start_rate = (e - _voltage(path[0], 0.0, on)) / on.inductance
+        end_rate = (e_end - _voltage(end, 0.0, on)) / on.inductance
+        accounts[ELECTRIC] += h * h / 12.0 * (e * start_rate - e_end * end_rate)
+        accounts[COPPER] += h * h / 6.0 * on.resistance * (path[0, I] * start_rate - end[I] * end_rate)
+    _add_rates(path[0], force, start_rate, h * h / 12.0, on, accounts)
+    _add_rates(end, force, end_rate, -h * h / 12.0, on, accounts)
+    for k in range(stop):
+        y, z = path[k], path[k + 1]
+        i, i_end = y[I], z[I]
+        if feed.by_current:
+            rate = (i_end - i) / h
+            vr, vr_end = y[VA] - y[VB], z[VA] - z[VB]
+            heat = on.resistance * h / 3.0 * (i * i + i * i_end + i_end * i_end)
+            accounts[COPPER] += heat
+            accounts[COIL] += h * h / 12.0 * on.force_constant * rate * (vr - vr_end)
+            accounts[ELECTRIC] += heat + 0.5 * on.inductance * (i_end * i_end - i * i)
+            accounts[ELECTRIC] += 0.5 * h * on.force_constant * (i * vr + i_end * vr_end)
+            accounts[ELECTRIC] += h * h / 12.0 * on.force_constant * rate * (vr - vr_end)
+            e_end = _voltage(z, rate, on)
+        else:
+            e = feed.limit if stuck else command[k0 + k]
+            e_end = feed.limit if stuck else command[k0 + k + 1]
+            accounts[COPPER] += 0.5 * h * on.resistance * (i * i + i_end * i_end)
+            accounts[ELECTRIC] += 0.5 * h * (e * i + e_end * i_end) + h / 12.0 * (e_end - e) * (i - i_end)
+        pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
+        accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
+        accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(i_end))
+        accounts[MOST_TRAVEL] = max(accounts[MOST_TRAVEL], abs(z[XA] - z[XB]))
+        accounts[MOST_PULL] = max(accounts[MOST_PULL], -pull)
+        accounts[MOST_PUSH] = max(accounts[MOST_PUSH], pull)
+    if feed.by_current:
+        aa, ab, _ = _rates(path[0], on, force)
+        bb, cb, _ = _rates(end, on, force)
+        swing = path[0, I] * (aa - ab) - end[I] * (bb - cb)
+        accounts[ELECTRIC] += h * h / 12.0 * on.force_constant * swing
+
+
+@njit(cache=True, nogil=True)
+def _tell(
+    path: Array, stop: int, k0: int, impulse: float, feed: Feed, command: Array, on: Machine, signals: Array
+) -> None:
+    """Signals of the intervals of a step; `impulse` : of the box on all but the stinger, per interval."""
     h = on.interval
     stuck = not math.isnan(feed.limit)
     for k in range(stop):
         y, z = path[k], path[k + 1]
-        e_rate = 0.0
-        if feed.by_current:
-            i_rate = (z[I] - y[I]) / h
-            i_rate_end, e, e_end = i_rate, _voltage(y, i_rate, on), _voltage(z, i_rate, on)
-        else:
-            e = feed.limit if stuck else command[k0 + k]
-            e_end = feed.limit if stuck else command[k0 + k + 1]
-            e_rate = (e_end - e) / h
-            i_rate = (e - _voltage(y, 0.0, on)) / on.inductance
-            i_rate_end = (e_end - _voltage(z, 0.0, on)) / on.inductance
-        if feed.by_current:
-            aa, ab, _ = _rates(y, on, force)
-            e_rate = on.resistance * i_rate + on.force_constant * (aa - ab)
-        _powers(y, force, e, e_rate, i_rate, on, q, dq)
-        for s in range(SQUARE + 1):
-            accounts[s] += 0.5 * h * q[s] + h * h / 12.0 * dq[s]
-        if feed.by_current:
-            aa, ab, _ = _rates(z, on, force)
-            e_rate = on.resistance * i_rate + on.force_constant * (aa - ab)
-        _powers(z, force, e_end, e_rate, i_rate_end, on, q, dq)
-        for s in range(SQUARE + 1):
-            accounts[s] += 0.5 * h * q[s] - h * h / 12.0 * dq[s]
         swing = on.force_constant * (z[XA] - z[XB] - y[XA] + y[XB])
         if feed.by_current:
             flow = 0.5 * h * (y[I] + z[I])
             pressure = on.resistance * flow + on.inductance * (z[I] - y[I]) + swing
         else:
-            pressure = 0.5 * h * (e + e_end)
+            pressure = h * feed.limit if stuck else 0.5 * h * (command[k0 + k] + command[k0 + k + 1])
             flow = (pressure - on.inductance * (z[I] - y[I]) - swing) / on.resistance
         signals[k0 + k, MOMENTUM] = on.box * (z[V] - y[V]) + on.damping * (z[X] - y[X]) + impulse
         signals[k0 + k, SPEED] += z[V] - y[V]
@@ -197,12 +233,6 @@ def _account(
         signals[k0 + k, PRESSURE] = pressure
         signals[k0 + k, GAUGE_MASS] = z[VA] - y[VA]
         signals[k0 + k, LIMITED] = 1.0 if stuck else 0.0
-        pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
-        accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
-        accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(z[I]))
-        accounts[MOST_TRAVEL] = max(accounts[MOST_TRAVEL], abs(z[XA] - z[XB]))
-        accounts[MOST_PULL] = max(accounts[MOST_PULL], -pull)
-        accounts[MOST_PUSH] = max(accounts[MOST_PUSH], pull)
 
 
 @njit(cache=True, nogil=True)
@@ -217,7 +247,6 @@ def stretch(
     longest, intervals, rows, h = thrust.shape[1] - 1, command.shape[0] - 1, w.shape[0], on.interval
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
-    q, dq = np.empty(SQUARE + 1), np.empty(SQUARE + 1)
     p, slip, heat = np.zeros(rows), np.empty(rows), np.empty(rows)
     who = np.empty(rows, np.int64)
     grip = 1.0 / np.maximum(band, 1e-300)
@@ -253,7 +282,8 @@ def stretch(
         )  # fmt: skip
         accounts[FRICTION] += rub - push
         accounts[COLLISION] += push
-        _account(path, stop, k0, force, -force * h, feed, command, on, signals, accounts, q, dq)
+        _account(path, stop, k0, force, feed, command, on, accounts)
+        _tell(path, stop, k0, -force * h, feed, command, on, signals)
         for s in range(STATES):
             y[s] = path[stop, s]
         if count:
