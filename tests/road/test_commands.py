@@ -101,7 +101,7 @@ BAD = {
     "frequency 0": ("schema: rig/protocol/1\nname: x\ndrive: {frequency: 0 Hz}\n", r"frequency"),
     "400 samples": ("schema: rig/protocol/1\nname: x\nacquire: {samples_per_cycle: 400}\n", r"500"),
     "grains": ("schema: rig/protocol/1\nname: x\nscene: {bed: grains}\n", r"not built yet"),
-    "coupled": ("schema: rig/protocol/1\nname: x\nscene: {bed: slug}\ndrive: {mode: coupled}\n", r"not built yet"),
+    "coupled": ("schema: rig/protocol/1\nname: x\nfidelity: auto\ndrive: {mode: coupled}\n", r"coupled"),
     "axis": ("schema: rig/protocol/1\nname: x\nscene: {axis: vertical}\n", r"horizontal"),
     "empty": ("", r"empty"),
     "two mistakes": ("schema: rig/protocol/1\nname: x\nscene: {grains: {fill: 3}}\nseed: -1\n", r"(?s)fill.*seed"),
