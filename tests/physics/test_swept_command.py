@@ -75,7 +75,7 @@ def test_a_slow_sweep_is_off_its_response_by_what_its_rate_makes(
     time = (np.arange(signals.shape[1]) + 0.5) / RATE
     picked = np.flatnonzero(time > FORGOTTEN / slowest)[::EVERY]
     time = time[picked]
-    wave = np.exp(2j * np.pi * sweep.turns_at(time))
+    wave = np.exp(2j * np.pi * sweep.turns_at(np.asarray(time, dtype=np.float64)))
     pace = (last**2 - first**2) / (2.0 * cycles)
     for name, signal in zip(tested.names, signals[:, picked], strict=True):
         terms = series(tested.plant, amplifier, name, first + pace * time, pace)
