@@ -56,6 +56,38 @@ def test_each_change_by_its_name(cycle: int) -> None:
         assert found(x) == (name,)
 
 
+def found_free(x: np.ndarray) -> tuple[str, ...]:
+    return doubts(CHANNEL, features(x.ravel(), len(x), False, free=True), OMEGA, 20.0, False)
+
+
+def test_a_free_motion_glides_and_is_knocked_at_without_a_fault() -> None:
+    """Phase and size that relax over 2 to 12 cycles by 20 mrad and 2 %, and one cycle with ten times the impacts."""
+    t = np.arange(CYCLES * POINTS).reshape(CYCLES, POINTS) / POINTS
+    for tau in (2.0, 5.0, 12.0):
+        left = 0.02 * np.exp(-t / tau)
+        glides = (1 + left) * 3.0 * np.sin(2 * np.pi * t + left) + (record() - 3.0 * np.sin(2 * np.pi * t))
+        assert "clock_slip" in found(glides, smooth=False)
+        assert found_free(glides) == ()
+    x = record()
+    x[20, 5::25] += 30 * SIGMA
+    assert found(x, smooth=False) == ("noisy",)
+    assert found_free(x) == ()
+
+
+@pytest.mark.parametrize("cycle", [5, 20, 34])
+def test_a_fault_of_a_free_motion_is_sudden_or_between_the_impacts(cycle: int) -> None:
+    whole = record()
+    whole[:, 5::25] += 30 * SIGMA * np.random.default_rng(2).standard_normal(whole[:, 5::25].shape)
+    late = np.arange(CYCLES) >= cycle
+    turned = np.concatenate([whole.ravel()[: cycle * POINTS], np.roll(whole.ravel(), 1)[cycle * POINTS :]])
+    loud = (np.abs(np.arange(CYCLES) - cycle) < 4)[:, None]
+    noise = np.random.default_rng(1).standard_normal(whole.shape) * 40 * SIGMA * loud
+    assert found_free(whole * (1 + 0.01 * late)[:, None]) == ("gain_step",)
+    assert found_free(turned.reshape(whole.shape)) == ("clock_slip",)
+    assert found_free(whole + noise) == ("noisy",)
+    assert found_free(whole) == ()
+
+
 def test_what_is_less_than_the_limits_is_let_pass() -> None:
     late = (np.arange(CYCLES) >= 20)[:, None]
     assert found(record() * (1 + 0.004 * late)) == ()
