@@ -15,16 +15,26 @@ def fidelity_sentences(report: Report) -> tuple[str, ...]:
     found = report.get("fidelity")
     if found is None:
         return ()
-    cycles, rows = found["cycles"], found["row_cycles"]
+    cycles = found["cycles"]
     text = (
-        f"Fidelity auto, tolerance {100 * found['tolerance']:g} % of W per cycle: {cycles['auto']} cycles were run, as "
-        f"written it would have been {cycles['written']}, fully resolved {cycles['resolved']}; cycles of rows "
-        f"{_count(rows['auto'])}, {_count(rows['written'])} and {_count(rows['resolved'])}, and "
-        f"{_count(rows['planning'])} simulated to find this out."
+        f"Fidelity auto, tolerance {100 * found['tolerance']:g} % of W per cycle: {cycles['auto']} cycles of the drive "
+        f"were run; the protocol writes {cycles['written']}, and fully resolved, with rows of grains side by side and "
+        f"long settling and records, they would be {cycles['resolved']}. {_work(found['row_cycles'])}"
     )
     if found["not_met"]:
         text += f" The tolerance is NOT met in {', '.join(found['not_met'])}: see the table Fidelity."
     return (text,)
+
+
+def _work(rows: Mapping[str, float]) -> str:
+    """What was saved of the motion of single rows, and what finding the choice took."""
+    if not rows["auto"]:
+        return "No row of grains slides: none had to be followed."
+    return (
+        f"Each row of grains counted in each cycle, that is {_times(rows['auto'] / rows['written'])} the work as "
+        f"written and {_times(rows['auto'] / rows['resolved'])} the fully resolved; finding the choice took, once, "
+        f"{_times(rows['planning'] / rows['auto'])} what was run."
+    )
 
 
 def fidelity(report: dict[str, Any]) -> Table:
@@ -49,7 +59,8 @@ def fidelity(report: dict[str, Any]) -> Table:
         f"Found for a tolerance of {100 * found['tolerance']:g} %: rows per layer, cycles to settle and to record. "
         f"Rows may take {100 * found['rows_share']:g} % of it; settling, record and noise share what they leave. The "
         "error is predicted for the mean over the runs, against rows side by side (L2/d), settled and recorded "
-        "long. As written and resolved: rows, settle + record."
+        "long. As written and resolved: rows, settle + record. The force range is used by the rows that were run; "
+        "peaks of them that exceed the exciter (flags over_peak, over_buckling) are told of all rows side by side."
     )
     return Table("Fidelity", note, head, rows)
 
@@ -63,5 +74,6 @@ def _whole(value: int | None) -> Cell:
     return UNKNOWN if value is None else Cell(str(value), value)
 
 
-def _count(value: float) -> str:
-    return f"{value:.2g}" if value >= 1e6 else f"{value:.0f}"
+def _times(ratio: float) -> str:
+    """A ratio in words: 0.31 is 31 % of, 2.04 is 2 times."""
+    return f"{100 * ratio:.2g} % of" if ratio < 0.995 else f"{ratio:.2g} times"

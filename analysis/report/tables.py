@@ -199,7 +199,8 @@ def flags(report: Report) -> Table:
     rows += [(Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry["why"])) for entry in report["left_out"]]
     note = (
         "“over_…” says that the exciter would have to give more than it can (used over limit in the second column); it "
-        "fails nothing here."
+        "fails nothing here. Peak and buckling go by the largest force: with fewer rows per layer than lie side by "
+        "side many hit together, which raises it."
     )
     return Table("Flags", note, ("flag", "used / limit", "number", "runs"), tuple(rows))
 

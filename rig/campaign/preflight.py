@@ -1,6 +1,5 @@
 """Looking ahead: what each condition asks of exciter, front end and disk, and what its repeats will be able to tell."""
 
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
@@ -14,26 +13,18 @@ from daq.channel import ChannelInfo
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
 from daq.seeds import stream
-from rig.beds.stack import nominal, refill
-from rig.campaign.dwelling import STOPS, Dwelling
-from rig.campaign.setup import PASS_BAND, Campaign
-from rig.drive.dwell import phasors
-from rig.drive.exciter import Demand, demand
-from rig.drive.waveform import Waveform
-from rig.ledger import COLUMNS, IN_BED
-from rig.losses import LOST
+from rig.beds.stack import refill
+from rig.campaign.look import Look, look_coupled, look_servo
+from rig.campaign.setup import Campaign
+from rig.drive.exciter import Demand
 from rig.model import predict, total_of
 from rig.scene import Condition
-from rig.stand import Stand
 from rig.theory.total import AVERAGED_CYCLES
 
 Array = NDArray[np.float64]
 
-AHEAD = 8
-"""Chunks of cycles simulated of each condition: the last one stands for the steady state."""
-
-HELD = 16
-"""Cycles simulated in coupled drive once the level is held: the last half counts."""
+PEAKS = ("peak", "buckling")
+"""Uses of the exciter that are judged by the peak of the force, which rows that hit together raise."""
 
 POURINGS = 8
 """Refills whose W_T is computed to expect the scatter between repeats."""
@@ -52,6 +43,8 @@ class Outlook:
     """One condition before it is run. Energies in J per cycle, W_exp and U as the repeats are expected to give them.
 
     exciter : shares of the exciter's limits, `Demand`
+    side_by_side : the same with as many rows as lie side by side, where peaks of the rows that are run exceed a limit;
+        None elsewhere
     range_force, range_acceleration : peak over the range of the channel
     stopped : what keeps the level from being reached in coupled drive, "" for nothing
     W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
@@ -67,6 +60,7 @@ class Outlook:
     acceleration: float
     samples_per_cycle: float
     exciter: Demand
+    side_by_side: Demand | None
     range_force: float
     range_acceleration: float
     W_T: float
@@ -81,15 +75,32 @@ class Outlook:
     @property
     def flags(self) -> tuple[str, ...]:
         """Limits that the condition exceeds."""
-        used = {f"exciter {name}": share for name, share in asdict(self.exciter).items()}
-        used |= {"force range": self.range_force, "acceleration range": self.range_acceleration}
-        stopped = (f"the level is not reached: {self.stopped}",) if self.stopped else ()
-        return (*stopped, *(f"{name} {share:.2f} of its limit" for name, share in used.items() if share > 1.0))
+        return tuple(flag for _, flag in self._exceeded())
 
     @property
     def beyond(self) -> tuple[str, ...]:
-        """Ratings of the exciter, fundamental, and of the front end that are exceeded; `peak` is a warning only."""
-        return tuple(flag for flag in self.flags if not flag.startswith("exciter peak"))
+        """Ratings of the exciter, fundamental, and of the front end that are exceeded; `peak` is a warning only, and a
+        stinger buckles under as many rows as lie side by side, not under fewer that hit together."""
+        held = {"peak"}
+        if self.side_by_side is not None and self.side_by_side.buckling <= 1.0:
+            held.add("buckling")
+        return tuple(flag for name, flag in self._exceeded() if name not in held)
+
+    def _exceeded(self) -> Iterator[tuple[str, str]]:
+        """Limits that are exceeded, by name, and how to say it."""
+        if self.stopped:
+            yield "level", f"the level is not reached: {self.stopped}"
+        for name, share in asdict(self.exciter).items():
+            if share > 1.0:
+                yield name, f"exciter {name} {share:.2f} of its limit{self._with_all_rows(name)}"
+        for name, share in (("force", self.range_force), ("acceleration", self.range_acceleration)):
+            if share > 1.0:
+                yield "range", f"{name} range {share:.2f} of its limit"
+
+    def _with_all_rows(self, name: str) -> str:
+        if self.side_by_side is None or name not in PEAKS:
+            return ""
+        return f"; {asdict(self.side_by_side)[name]:.2f} with as many rows as lie side by side"
 
 
 def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
@@ -102,22 +113,6 @@ def disk(campaign: Campaign) -> int:
     """Bytes that the session's samples will take."""
     samples = sum(campaign.lengths[run.condition.id].samples for run in campaign.runs)
     return samples * BYTES_PER_SAMPLE * len(campaign.instruments.channels)
-
-
-@dataclass(frozen=True)
-class Look:
-    """A condition as simulated without instruments: use of the exciter, J per cycle that are taken, level reached in
-    m/s^2, apparent mass in kg, peaks of force (N) and acceleration (m/s^2), wall seconds per cycle, and what keeps the
-    level from being reached ("" for nothing)."""
-
-    exciter: Demand
-    lost: float
-    level: float
-    mass: float
-    force: float
-    acceleration: float
-    seconds: float
-    stopped: str = ""
 
 
 def outlook(campaign: Campaign, condition: Condition) -> Outlook:
@@ -139,6 +134,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         acceleration=drive.acceleration,
         samples_per_cycle=rate / drive.frequency,
         exciter=look.exciter,
+        side_by_side=look.side_by_side,
         range_force=_range_use(channels[0], look.force),
         range_acceleration=_range_use(channels[1], look.acceleration),
         W_T=point.W_T,
@@ -150,79 +146,6 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         seconds_per_cycle=look.seconds,
         stopped=look.stopped,
     )
-
-
-def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The programmed motion, exact; the exciter solved backwards."""
-    rig, scene, drive = campaign.rig, condition.scene, condition.drive
-    motion = Waveform(drive.frequency, drive.acceleration)
-    started = time.perf_counter()
-    stand = Stand(scene, rig, motion, nominal(scene, rig), rate)
-    for _ in range(AHEAD):
-        stand.advance()
-    seconds = time.perf_counter() - started
-    rows = stand.drain_ledger()
-    use = demand(rig.exciter, stand.latest_force, stand.rate, motion, PASS_BAND * rate / OVERSAMPLING)
-    return Look(
-        exciter=use,
-        lost=_lost(rows[2 * len(rows) // 3 :]),
-        level=drive.acceleration,
-        mass=apparent_mass(stand, motion),
-        force=use.peak * rig.exciter.force_peak + stand.weight,
-        acceleration=drive.acceleration,
-        seconds=seconds / len(rows),
-    )
-
-
-def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The dwell with the nominal bed, until its level is held, and some cycles more."""
-    rig, frequency = campaign.rig, condition.drive.frequency
-    started = time.perf_counter()
-    dwelling = Dwelling(condition, rig, nominal(condition.scene, rig), rate)
-    cycles = 0
-    while dwelling.dwell.steady_from is None or cycles < dwelling.dwell.steady_from:
-        cycles += 1
-        dwelling.stand.read(round(cycles * rate / frequency) - round((cycles - 1) * rate / frequency))
-        dwelling.ledger()
-    signals = dwelling.stand.read(round(HELD * rate / frequency))
-    rows = dwelling.ledger()[:HELD]
-    seconds = (time.perf_counter() - started) / (cycles + HELD)
-    last = signals[:2, -round(HELD // 2 * rate / frequency) :]
-    force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in last)
-    recorded = _within(last, rate, PASS_BAND * rate / OVERSAMPLING)
-    scalars = dwelling.scalars()
-    level = abs(acceleration)
-    return Look(
-        exciter=dwelling.demand,
-        lost=_lost(rows[HELD // 2 :]),
-        level=level,
-        mass=(force * acceleration.conjugate()).real / level**2 if level else 0.0,
-        force=float(np.abs(recorded[0]).max()),
-        acceleration=float(np.abs(recorded[1]).max()),
-        seconds=seconds,
-        stopped=next((name for name in STOPS if scalars[f"stopped_by_{name}"]), ""),
-    )
-
-
-def _within(signals: Array, rate: float, band: float) -> Array:
-    """Signals (channels, samples) over whole cycles without what lies above a band (Hz): the peaks of impacts that the
-    anti-alias filter leaves of them."""
-    spectrum = np.fft.rfft(signals, axis=1)
-    spectrum[:, np.fft.rfftfreq(signals.shape[1], 1.0 / rate) > band] = 0.0
-    return np.fft.irfft(spectrum, signals.shape[1], axis=1)
-
-
-def _lost(rows: Array) -> float:
-    """What bed and losses take by a ledger, J per cycle."""
-    means = rows.mean(axis=0)
-    return float(sum(means[COLUMNS.index(name)] for name in (*IN_BED, *LOST)))
-
-
-def apparent_mass(stand: Stand, motion: Waveform) -> float:
-    """Re(F A*)/|A|^2 at the fundamental over the latest whole cycles, kg."""
-    force = stand.latest_force
-    phase = motion.omega * (np.arange(force.size) + 0.5) / stand.rate
-    return float(-2.0 * np.mean(force * np.sin(phase)) / motion.acceleration)
 
 
 def _plan(

@@ -20,25 +20,24 @@ from rig.campaign.beginning import Beginning
 from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
 from rig.campaign.faults import with_faults
 from rig.campaign.fidelity import chosen
+from rig.campaign.peaks import beyond, steady, use_of, with_peaks_of
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
 from rig.campaign.recorded import Listener
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
-from rig.drive.exciter import Demand, demand
+from rig.drive.exciter import Demand
 from rig.drive.waveform import Waveform, waveform
 from rig.fidelity.choice import Choice
+from rig.fidelity.rows import side_by_side
 from rig.instruments import Instruments, instruments
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
-from rig.scene import Condition, Protocol
+from rig.scene import Condition, Protocol, Scene
 from rig.stand import Stand
 
 Array = NDArray[np.float64]
-
-PASS_BAND = 0.45
-"""Recorded band over the output rate: the anti-alias filter's pass band."""
 
 LEVEL_OF = "acceleration"
 """The channel that the level control reads."""
@@ -117,9 +116,9 @@ class Campaign:
         clock = 1.0 + self.instruments.clock_error
         return waveform(drive, self.rig.level_error, self.rig.third_harmonic, rng, clock)
 
-    def filling(self, run: Run) -> Filling:
-        """The bed of a run: poured anew for each repeat, or the nominal one."""
-        scene = run.condition.scene
+    def filling(self, run: Run, scene: Scene | None = None) -> Filling:
+        """The bed of a run: poured anew for each repeat, or the nominal one. `scene` : with other rows."""
+        scene = scene or run.condition.scene
         if not self.protocol.repeats.refill:
             return nominal(scene, self.rig)
         return refill(scene, self.rig, self._stream(run, "refill"))
@@ -130,9 +129,18 @@ class Campaign:
         return Stand(run.condition.scene, self.rig, self.motion(run), self.filling(run), rate)
 
     def demand(self, run: Run, stand: Stand) -> Demand:
-        """What the stand's latest cycles ask of the exciter, within the recorded band."""
-        band = PASS_BAND * self.lengths[run.condition.id].rate
-        return demand(self.rig.exciter, stand.latest_force, stand.rate, stand.motion, band)
+        """What the stand's latest cycles ask of the exciter, within the recorded band.
+
+        Where `fidelity: auto` found few rows, which hit together, and their peaks exceed a limit, those of the same
+        filling with all its rows are told instead.
+        """
+        use = use_of(self.rig, stand)
+        if run.condition.id not in self.choices or not beyond(use):
+            return use
+        scene = side_by_side(run.condition.scene)
+        return with_peaks_of(
+            use, use_of(self.rig, steady(scene, self.rig, stand.motion, self.filling(run, scene), stand.rate))
+        )
 
     def dwelling(self, run: Run) -> Dwelling:
         """The dwell of a run in coupled drive, at rest."""

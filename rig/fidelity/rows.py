@@ -35,6 +35,10 @@ of cycles before they repeat themselves, and take up to half as much then."""
 AVERAGING = 0.1
 """Share of the tolerance that averaging rows without a period should not exceed; it is counted in any case."""
 
+LATE = 0.5
+"""Most that the energy of rows without a period may change once they repeat themselves, as a share of theirs: what they
+are taken to leave open until a longer look shows what they do."""
+
 MOST_REFERENCE_ROWS = 200_000
 """Rows in all sliding layers of a reference; a bed with more is compared with fewer rows than lie side by side."""
 
@@ -74,6 +78,12 @@ def with_rows(scene: Scene, rows: int) -> Scene:
     return replace(scene, layers=replace(scene.layers, rows=rows))
 
 
+def side_by_side(scene: Scene) -> Scene:
+    """The scene with as many rows per layer as lie side by side; one whose bed has no rows, or as many, as it is."""
+    rows = resolved_rows(scene)
+    return with_rows(scene, rows) if scene.bed == "layers" and scene.layers.rows < rows else scene
+
+
 def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: int) -> RowsChoice:
     """The fewest rows of the ladder whose error is within `SHARE` of the tolerance; the resolved rows where none are.
 
@@ -81,22 +91,17 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
         the nominal filling is what is run
 
     The error is the larger of the bias of W_T and, where runs are drawn, `COVERAGE` standard deviations of the mean
-    over the runs that the strata add to the scatter of resolved rows; and what averaging leaves of the resolved rows'
-    own energy.
+    over the runs that the strata add to the scatter of resolved rows; and what the look leaves open of the resolved
+    rows' own energy.
     """
     resolved = resolved_rows(scene)
     flowing = _look(with_rows(scene, 1), rig, drive, LOOKS[0]).flowing
     reference = min(resolved, max(MOST_REFERENCE_ROWS // max(flowing, 1), 1))
-    planning = 0
-    for cycles in LOOKS:
-        best = _look(with_rows(scene, reference), rig, drive, cycles)
-        planning += best.simulated
-        if best.averaging <= AVERAGING * tolerance:
-            break
+    best, cycles, left, planning = _long_enough(with_rows(scene, reference), rig, drive, AVERAGING * tolerance)
     if not best.W > 0.0:
         return RowsChoice(1, resolved, resolved, cycles, 0.0, 0.0, 0.0, 0.0, best, planning)
     least = scatter(best.energy, reference) / best.W
-    short = best.averaging + (COVERAGE * least if reference < resolved else 0.0)
+    short = left + (COVERAGE * least if reference < resolved else 0.0)
     for rows in _candidates(reference):
         found = scatter(best.energy, rows) / best.W
         added = COVERAGE * math.sqrt(max(found**2 - least**2, 0.0) / max(drawn, 1))
@@ -130,6 +135,27 @@ def scatter(energy: Array, rows: int) -> float:
     inside = np.interp(lag, np.concatenate(([0.0], lags)), np.concatenate(([0.0], gamma)))
     variance = 2.0 * float(np.mean((1.0 - lag / stratum) * inside))
     return math.sqrt(layers * variance / rows)
+
+
+def _long_enough(scene: Scene, rig: Rig, drive: Drive, allowed: float) -> tuple[Pilot, int, float, int]:
+    """The shortest look that leaves at most `allowed` of the energy open, or the longest one; its cycles, what it
+    leaves open, and the cycles of rows simulated for it and for those before.
+
+    Open is what averaging leaves, and what rows without a period may still change: at most `LATE` of what they take,
+    and what they did since a shorter look, where there was one.
+    """
+    before, simulated = 0.0, 0
+    for cycles in LOOKS:
+        found = _look(scene, rig, drive, cycles)
+        simulated += found.simulated
+        late = LATE * (1.0 - found.repeating)
+        if before > 0.0:
+            late = min(late, abs(found.W / before - 1.0))
+        left = max(found.averaging, late)
+        if left <= allowed:
+            break
+        before = found.W
+    return found, cycles, left, simulated
 
 
 def _candidates(reference: int) -> Iterator[int]:

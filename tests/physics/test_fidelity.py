@@ -108,6 +108,23 @@ def test_rows_meet_their_share(diameter: float, fill: float, acceleration: float
             assert COVERAGE * added / np.sqrt(drawn) <= found.error
 
 
+@pytest.mark.parametrize(("diameter", "fill", "acceleration"), CONDITIONS)
+def test_no_fewer_rows_of_the_ladder_would_do(diameter: float, fill: float, acceleration: float, rig: Rig) -> None:
+    """Each shorter rung leaves more than its share: in W_T, or in the scatter of the strata, which bounds what W_T may
+    agree by chance."""
+    scene, tolerance = balls(diameter=diameter, fill=fill), 0.02
+    fine = with_rows(scene, resolved_rows(scene))
+    best = rows_pilot(fine, rig, at(acceleration), nominal(fine, rig), 512)
+    for drawn in (0, 4):
+        found = choose_rows(scene, rig, at(acceleration), tolerance, drawn)
+        for rows in (rung for rung in LADDER if rung < found.rows):
+            few = with_rows(scene, rows)
+            bias = abs(rows_pilot(few, rig, at(acceleration), nominal(few, rig), 512).W / best.W - 1.0)
+            spread = COVERAGE * scatter(best.energy, rows) / best.W / np.sqrt(max(drawn, 1))
+            left = max(bias, spread if drawn else 0.5 * spread / COVERAGE) + best.averaging
+            assert left > 0.95 * SHARE * tolerance  # the choice takes the resolved rows' own scatter off, some per cent
+
+
 def test_a_wider_tolerance_never_takes_more_rows(rig: Rig) -> None:
     for _, fill, acceleration in CONDITIONS[:4]:
         rows = [choose_rows(balls(fill=fill), rig, at(acceleration), t, 4).rows for t in (0.2, 0.05, 0.01, 0.001)]
