@@ -49,8 +49,8 @@ LADDER = Drawn(
 )
 SCALING = Drawn(
     "scaling",
-    "Time against size, both logarithmic, one panel each for layers, rows, cycles, samples and grains, with the fitted "
-    "exponent in the title. The numbers are in the tables.",
+    "Time against size, both logarithmic, one panel for each axis of the table, with the fitted exponent in the title. "
+    "The numbers are in the tables.",
 )
 
 

@@ -55,6 +55,9 @@ the wall: behind a lift-off the gap grows like t^3 and round-off alone would fak
 paper tier costs nothing and is a different quantity (one slip per layer at any level). The closed tier with 8 rows is
 the default; fewer rows are wrong by per cents at low level, more are for spread and force peaks. Stepping costs tens
 to hundreds of times as much for the same rows and the same error.""",
+    "small_beds": """A small bed, five layers of three rows, by scipy's `solve_ivp` row by row: 8 cycles from rest, the
+last four counted, against closed flights with root finding of their own. What the bed sets up once (thresholds, its
+grid for the force) is most of its time here.""",
     "fill": """## The main job
 
 `recording` leaves out process start and figures; predictions, stand, acquisition, file and analysis of every run are

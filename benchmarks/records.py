@@ -15,6 +15,7 @@ import numpy as np
 from analysis import read_session
 from benchmarks.machine import ROOT, cores
 from benchmarks.process import run_process, timed_process
+from benchmarks.scaling import workers
 from benchmarks.timing import interleaved, peak_memory, spread
 from daq.acquisition import Emulated
 from daq.block import Block
@@ -55,25 +56,25 @@ def recording_seconds(campaign: Campaign, workers: int) -> float:
     return last[0] - start
 
 
-def fill(rounds: int, quick: bool) -> list[Row]:
-    """The fill protocol against the rig time that it simulates: recording alone, by workers, and the whole process."""
+def fill(rounds: int) -> list[Row]:
+    """The fill protocol against the rig time that it simulates: recording alone, by workers, and the whole process;
+    and how the recording's time falls with workers."""
     campaign = fill_campaign()
     counts = [1, cores()] if cores() > 1 else [1]
     recording_seconds(fill_campaign(1), counts[-1])
-    times: dict[int, list[float]] = {count: [] for count in counts}
+    times: dict[float, list[float]] = {count: [] for count in counts}
     for _ in range(rounds):
-        for count in counts[-1:] if quick else counts:
+        for count in counts:
             times[count].append(recording_seconds(campaign, count))
     rows = [
         _against_rig_time(f"recording, {count} worker{'s' * (count > 1)}", values, campaign.rig_time)
         for count, values in times.items()
-        if values
     ]
     with tempfile.TemporaryDirectory() as folder:
         command = [*RIG, "run", str(FILL), "--out", f"{folder}/s", "--force", "--json"]
         whole = [timed_process(command, ROOT) for _ in range(rounds)]
     rows.append(_against_rig_time("whole process: start, run, report, figures", whole, campaign.rig_time))
-    return rows
+    return rows + workers(times)
 
 
 def _against_rig_time(method: str, seconds: list[float], rig_time: float) -> Row:

@@ -23,7 +23,7 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
-    from benchmarks import beds, chain, precision, records, scaling, sliders
+    from benchmarks import beds, chain, precision, records, scaling, sliders, small_beds
 
     rounds = 3 if quick else 5
     few = min(rounds, 3)
@@ -35,13 +35,15 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         Job(f"layers at {level:g} m/s2", 3.0 if quick else 8.0, partial(beds.layers, level, few - 1, quick))
         for level in ((2.0, 5.0) if quick else (1.0, 2.0, 3.0, 4.0, 5.0))
     ]
+    levels = (5.0,) if quick else (3.0, 5.0)
     found += [
+        Job("small beds", 4.0 if quick else 20.0, partial(small_beds.small_beds, levels, few - 1, quick)),
         Job("drift of the account", 1.0 if quick else 5.0, partial(beds.drift, 10_000 if quick else 100_000)),
         Job("chain", 0.5 if quick else 2.5, partial(chain.chain, 10, rounds, quick)),
         Job("acquisition", 1.0 if quick else 3.0, partial(records.acquisition, rounds, quick)),
         Job("recorder", 2.0, partial(records.recorder, rounds)),
         Job("analysis and replay", 4.0 if quick else 8.0, partial(records.reading, few, quick)),
-        Job("fill protocol", 12.0 if quick else 45.0, partial(records.fill, 2 if quick else 5, quick)),
+        Job("fill protocol", 16.0 if quick else 45.0, partial(records.fill, 2 if quick else 5)),
     ]
     found += [
         Job(f"scaling: {axis}", 1.5 if quick else 5.0, partial(scaling.scaling, axis, few, quick))

@@ -1,6 +1,6 @@
 """How cost grows with the size of a problem: times at some sizes, and the exponent that fits them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.beds import PROTOCOL, bed
 from benchmarks.curve import exponent
-from benchmarks.timing import interleaved, spread
+from benchmarks.timing import interleaved, ratios, spread
 from rig.campaign import Campaign
 from rig.catalog import load_rig
 from rig.model import predict
@@ -85,12 +85,33 @@ def scaling(axis: str, rounds: int, quick: bool) -> list[Row]:
     for size in sizes:
         call(size)
     seconds = interleaved({repr(size): partial(call, size) for size in sizes}, rounds)
+    return fitted(axis, what, {size: seconds[repr(size)] for size in sizes})
+
+
+def workers(seconds: Mapping[float, list[float]]) -> list[Row]:
+    """The axis `workers` from the wall seconds of the same job with so many processes, round by round: its exponent is
+    -1 where every one counts in full, and the title tells how many times as fast the most of them are."""
+    if len(seconds) < 2:
+        return []
+    most = max(seconds)
+    gain = ratios(seconds[min(seconds)], seconds[most])
+    what = (
+        f"fill protocol recorded: {most:g} processes are {gain['median']:.2f} times as fast as {min(seconds):g} "
+        f"({gain['low']:.2f} to {gain['high']:.2f})"
+    )
+    rows = fitted("workers", what, seconds)
+    return [*rows[:-1], {**rows[-1], "speed_up": gain}]
+
+
+def fitted(axis: str, what: str, seconds: Mapping[float, list[float]]) -> list[Row]:
+    """Rows of an axis from its times, by size and round."""
+    sizes = tuple(seconds)
     found: list[Row] = []
-    for size in sizes:
-        each = spread([1e3 * value for value in seconds[repr(size)]])
-        found.append({"kind": "scaling", "axis": axis, "what": what, "size": size, "ms": each, "failure": None})
+    for size, each in seconds.items():
+        ms = spread([1e3 * value for value in each])
+        found.append({"kind": "scaling", "axis": axis, "what": what, "size": size, "ms": ms, "failure": None})
     slope, error = exponent(sizes, [row["ms"]["median"] for row in found])
-    fits = [exponent(sizes, [seconds[repr(size)][k] for size in sizes])[0] for k in range(rounds)]
+    fits = [exponent(sizes, each)[0] for each in zip(*seconds.values(), strict=True)]
     held = slope - 2.0 * error <= LINEAR if axis in CLAIMED else None
     found.append({"kind": "exponent", "axis": axis, "what": what, "exponent": slope, "error": error,
                   "rounds": spread(fits), "at_most_linear": held, "sizes": [sizes[0], sizes[-1]],

@@ -39,6 +39,7 @@ def tables(rows: Sequence[Row]) -> list[Table]:
         *(_costs(rows, wanted) for wanted in WANTED),
         _work(rows),
         _layers(rows),
+        _small_beds(rows),
         _fill(rows),
         _parts(rows),
         _exponents(rows),
@@ -202,6 +203,23 @@ def _layers(rows: Sequence[Row]) -> Table:
         lines,
         ("model",),
     )
+
+
+def _small_beds(rows: Sequence[Row]) -> Table:
+    lines = tuple(
+        (
+            row["problem"],
+            row["method"],
+            f"{row['setting']:g}" if row["setting"] else "-",
+            f"{row['error']:.0e}",
+            number(row["ms"]["median"]),
+            spread(row["times_ours"]),
+        )
+        for row in _of(rows, "small_bed")
+        if row["failure"] is None
+    )
+    columns = ("bed", "method", "setting", "error of W", "ms", "times as long as ours")
+    return Table("small_beds", "A bed of few rows, whole, 8 cycles", columns, lines, ("bed", "method"))
 
 
 def _fill(rows: Sequence[Row]) -> Table:

@@ -1,6 +1,7 @@
 """The comparison's own arithmetic: curves, exponents, failures, the file, the page."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,15 @@ from typer.testing import CliRunner
 
 from benchmarks.claims import CLAIMS, checked, judged
 from benchmarks.curve import cost_at, exponent
-from benchmarks.methods import Failed, Method, Work
+from benchmarks.methods import METHODS, Failed, Method, Work
 from benchmarks.methods.ours import OURS
 from benchmarks.methods.rk4 import RK4
 from benchmarks.page import FIGURES, JSONL, PAGE, as_line, page, read_rows
 from benchmarks.precision import precision
 from benchmarks.runner import Job, jobs, measured, rounded
+from benchmarks.scaling import workers
 from benchmarks.sliders import Slider, weightless
+from benchmarks.small_beds import AVERAGE, SETTLE, by_rows, exact, followed, sliding, small_bed
 from benchmarks.tables import number, tables
 from benchmarks.timing import interleaved, ratios
 from rig.cli.bench import bench
@@ -111,6 +114,30 @@ def test_limits_are_judged_both_ways() -> None:
     assert [row["held"] for row in checked(rows)] == [False, True]
 
 
+def test_workers_are_an_axis_with_a_speed_up() -> None:
+    """Two processes that take 5/8 of the time: exponent log2(5/8), 1.6 times as fast, each round for itself."""
+    found = workers({1: [8.0, 16.0, 4.0], 2: [5.0, 10.0, 2.0]})
+    assert [row["size"] for row in found[:-1]] == [1, 2]
+    fit = found[-1]
+    assert fit["exponent"] == pytest.approx(np.log2(5.0 / 8.0), rel=1e-12)
+    assert fit["speed_up"] == {"median": 1.6, "low": 1.6, "high": 2.0, "rounds": 3}
+    assert fit["at_most_linear"] is None
+    assert "2 processes are 1.60 times as fast as 1" in fit["what"]
+    assert workers({1: [1.0]}) == []
+
+
+def test_a_small_bed_is_the_same_by_other_integrators() -> None:
+    """The bed against closed flights: round-off of fifteen rows. scipy's at rtol 1e-6: W to 1e-6."""
+    bed = small_bed(5.0)
+    true = exact(bed)
+    assert len(sliding(bed)) == 15
+    assert followed(bed) == pytest.approx(true, rel=1e-13)
+    ivp = next(method for method in METHODS if method.name == "solve_ivp LSODA")
+    fewer = replace(bed, stack=replace(bed.stack, threshold=bed.stack.threshold[:1], play=bed.stack.play[:1]))
+    found = by_rows(fewer, lambda row: ivp.solve(row, 1e-6, SETTLE, AVERAGE).energy)
+    assert found == pytest.approx(exact(fewer), rel=1e-6)
+
+
 def test_bench_writes_rows_page_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A tiny problem through the command: the file reads back as the rows, the page is made from them alone."""
     assert bench(quick=True, out=tmp_path, as_json=False, todo=tiny()) == 0
@@ -166,7 +193,8 @@ def test_numbers_in_tables(value: float | None, text: str) -> None:
 def test_the_shipped_jobs_are_complete() -> None:
     """Quick measures the same kinds of things, on fewer problems."""
     quick, full = ({job.title.partition(" ")[0] for job in jobs(which)} for which in (True, False))
-    assert {"layers", "drift", "chain", "acquisition", "recorder", "analysis", "fill", "scaling:"} <= quick <= full
+    kinds = {"layers", "small", "drift", "chain", "acquisition", "recorder", "analysis", "fill", "scaling:"}
+    assert kinds <= quick <= full
 
 
 def test_the_performance_page_is_what_its_rows_give() -> None:
