@@ -34,23 +34,18 @@ Mass = Annotated[float, Quantity("mass", 0.0, 1e6)]
 
 
 @dataclass(frozen=True)
-class ForceColumn:
-    """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other side. calibration_U:
-    relative, k = 2, None for not known. delay: s by which the channel comes late. noise: N rms, None: from the record.
-    """
+class Column:
+    """What force and acceleration have in common. sign: -1 where the file counts the other direction. calibration_U:
+    relative, k = 2, None for not known. delay: s by which the channel comes late."""
 
     channel: str
-    unit: Annotated[str, OneOf(tuple(FORCE_UNITS))] = "N"
     sign: Sign = 1
-    sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
     calibration_U: Stated = None
     gain_tolerance: Share = 0.0
     time_constant: Pole = "none"
     time_constant_spread: Share = 0.1
     delay: Delay = 0.0
     delay_tolerance: Duration = 0.0
-    noise: Annotated[float | None, Quantity("force", 0.0, 1e9)] = None
-    range: Annotated[float | None, Quantity("force", 0.0, 1e9, above=True)] = None
     model: str = "not stated"
     serial: str = "not stated"
     direction: str = "+drive"
@@ -58,25 +53,24 @@ class ForceColumn:
 
 
 @dataclass(frozen=True)
-class AccelerationColumn:
-    """Where the acceleration is; fields as for the force."""
+class ForceColumn(Column):
+    """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other side. noise: N rms,
+    None: from the record."""
 
-    channel: str
+    unit: Annotated[str, OneOf(tuple(FORCE_UNITS))] = "N"
+    sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
+    noise: Annotated[float | None, Quantity("force", 0.0, 1e9)] = None
+    range: Annotated[float | None, Quantity("force", 0.0, 1e9, above=True)] = None
+
+
+@dataclass(frozen=True)
+class AccelerationColumn(Column):
+    """Where the acceleration is; noise in m/s^2 rms."""
+
     unit: Annotated[str, OneOf(tuple(ACCELERATION_UNITS))] = "m/s^2"
-    sign: Sign = 1
     sensitivity: Annotated[float | None, Quantity("acceleration sensitivity", 0.0, 1e6, above=True)] = None
-    calibration_U: Stated = None
-    gain_tolerance: Share = 0.0
-    time_constant: Pole = "none"
-    time_constant_spread: Share = 0.1
-    delay: Delay = 0.0
-    delay_tolerance: Duration = 0.0
     noise: Annotated[float | None, Quantity("acceleration", 0.0, 1e9)] = None
     range: Annotated[float | None, Quantity("acceleration", 0.0, 1e9, above=True)] = None
-    model: str = "not stated"
-    serial: str = "not stated"
-    direction: str = "+drive"
-    calibration_date: str = "not stated"
 
 
 @dataclass(frozen=True)

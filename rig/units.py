@@ -53,6 +53,9 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].{0,20})?\s*", re.ASCII)
 _LONGEST_TEXT = 64
 
+LEAST_PER_CENT = 2.0
+"""From here on a number where a share was wanted may have been meant in per cent; 1.2 was meant as it stands."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -122,8 +125,8 @@ def format_quantity(value: float, dimension: str) -> str:
 
 def suggest_unit(value: float, quantity: Quantity) -> str:
     """A hint where a plain number out of range makes sense in another unit: 150 m, "did you mean 150 mm?"."""
-    if quantity.dimension == "number" and quantity.most > 1:
-        return ""  # a count or a coefficient: per cent of it are no help
+    if quantity.dimension == "number" and (quantity.most > 1 or abs(value) < LEAST_PER_CENT):
+        return ""  # a count or a coefficient, or a share a little above one: per cent of it are no help
     for unit, scale in UNITS[quantity.dimension].items():
         if scale < 1 and math.isfinite(value) and quantity.holds(value * float(scale)):
             plain = f"{value:g} is {_short(value, quantity.dimension)}; " if unit_of(quantity.dimension) else ""

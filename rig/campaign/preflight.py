@@ -86,6 +86,11 @@ class Outlook:
             held.add("buckling")
         return tuple(flag for name, flag in self._exceeded() if name not in held)
 
+    @property
+    def fails(self) -> tuple[str, ...]:
+        """Of these what would fail the verdict of a run: a level that is not reached, a channel that overloads."""
+        return tuple(flag for name, flag in self._exceeded() if name in ("level", "range"))
+
     def _exceeded(self) -> Iterator[tuple[str, str]]:
         """Limits that are exceeded, by name, and how to say it."""
         if self.stopped:

@@ -97,6 +97,8 @@ def check(
 ) -> None:  # fmt: skip
     """Validate a protocol and look ahead: exciter use, ranges, disk, time, expected W and uncertainty.
 
+    Exit code 1 where a level, a range or a tolerance will not be kept.
+
     Example: rig check protocols/fill_rate.yaml --set drive.acceleration="8 m/s^2"
     """
     from rig.cli.check import check_protocol

@@ -11,7 +11,11 @@ from rig.cli.tables import millijoules, number, table, terminal
 
 
 def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
-    """`rig check`: a line per condition; with --strict 2 where a limit is exceeded."""
+    """`rig check`: a line per condition.
+
+    0 where the plan holds, 1 where it will not do what was asked: a level that is not reached, a channel that
+    overloads, a tolerance of `fidelity: auto` that is not met. With --strict 2 where any limit is exceeded.
+    """
     outlooks = list(preflight(campaign, cores()))
     cycles = {c.id: c.acquire.settle + c.acquire.record for c in campaign.conditions}
     repeats = campaign.protocol.repeats.n
@@ -22,11 +26,14 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         "stand_time_s": seconds,
         "disk_bytes": disk(campaign),
     }
+    unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
+    unmet += [f"{c}: the tolerance is not met: {choice.why}" for c, choice in campaign.choices.items() if not choice.met]
     if as_json:
         rows = [{**asdict(o), "flags": list(o.flags)} for o in outlooks]
         if campaign.choices:
             rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
-        print_json({"conditions": rows, **{k: v for k, v in totals.items() if k != "stand_time_s"}})
+        shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
+        print_json({"conditions": rows, **shown, "unmet": unmet})
     else:
         _print_outlook(outlooks, totals)
         used = {
@@ -43,7 +50,9 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
     for line in refused:
         print(f"rig: --strict: {line}", file=sys.stderr)
-    return 2 if refused else 0
+    if unmet:
+        print(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", file=sys.stderr)
+    return 2 if refused else 1 if unmet else 0
 
 
 def _print_choices(campaign: Campaign) -> None:

@@ -90,6 +90,7 @@ def test_hints_name_the_unit_that_would_fit() -> None:
     assert suggest_unit(150, Quantity("length", 0, 20)) == "150 is 150 m; did you mean 150 mm?"
     assert suggest_unit(85, Quantity("number", 0, 1)) == "did you mean 85 %?"
     assert suggest_unit(-1, Quantity("number", 0, 1)) == ""
+    assert suggest_unit(1.2, Quantity("number", 0, 1)) == ""  # a restitution of 1.2 is not one of 1.2 %
     assert suggest_unit(math.inf, Quantity("length", 0, 20)) == ""
 
 

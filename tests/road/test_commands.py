@@ -66,6 +66,28 @@ def test_check_warns_and_strict_refuses(rig_command: Rig, small: Path, tmp_path:
     assert any("force" in flag for flag in flags)
 
 
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        (("acquire.ranges.force=0.1 V",), "force range"),
+        (("drive.mode=coupled", "drive.acceleration=80 m/s^2", "scene.bed=empty"), "the level is not reached"),
+        (("fidelity=auto", "tolerance=1e-9"), "the tolerance is not met"),
+    ],
+    ids=["range", "level", "tolerance"],
+)
+def test_check_fails_where_the_plan_will_not_hold(
+    rig_command: Rig, small: Path, sets: tuple[str, ...], said: str
+) -> None:
+    """Exit code 1, as a run that overloads or misses its level ends with; a limit of the exciter alone only warns."""
+    words = [word for one in sets for word in ("--set", one)]
+    done = rig_command("check", small, *words, "--json")
+    assert done.returncode == 1, done.stderr
+    assert said in done.stderr
+    unmet = json.loads(done.stdout)["unmet"]
+    assert unmet
+    assert all(said in line for line in unmet)
+
+
 def test_init_then_check_then_run(rig_command: Rig, tmp_path: Path) -> None:
     assert rig_command("init", "mine.yaml", cwd=tmp_path).returncode == 0
     assert rig_command("check", "mine.yaml", cwd=tmp_path).returncode == 0
