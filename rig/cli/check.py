@@ -27,7 +27,7 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         "disk_bytes": disk(campaign),
     }
     unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
-    unmet += [f"{c}: the tolerance is not met: {choice.why}" for c, choice in campaign.choices.items() if not choice.met]
+    unmet += [f"{c}: the tolerance is not met: {found.why}" for c, found in campaign.choices.items() if not found.met]
     if as_json:
         rows = [{**asdict(o), "flags": list(o.flags)} for o in outlooks]
         if campaign.choices:
