@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.integration import integral
+from analysis.passes import with_integral
 
 __all__ = ["advanced", "net_of_mass", "pole_phase", "without_pole"]
 
@@ -17,8 +17,7 @@ def without_pole(signal: Array, time_constant: float, step: float) -> Array:
     time_constant: tau in s; step: s. Every harmonic is multiplied by 1 + 1 / (j w tau), written in time as
     x = y + integral(y) / tau; the mean, which no high pass hands on, is taken off first.
     """
-    signal = signal - signal.mean()
-    return signal + integral(signal, step) * (1 / time_constant)
+    return np.asarray(with_integral(np.ascontiguousarray(signal), signal.mean(), step / time_constant))
 
 
 def advanced(signal: Array, delay: float, step: float) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.correction import advanced, without_pole
 from analysis.cycles import on_grid, whole_cycles
-from analysis.integration import integral
+from analysis.passes import CycleSums, cycle_sums
 
 __all__ = ["Energy", "combined", "dissipated_energy", "harmonics", "window_energy"]
 
@@ -146,9 +146,10 @@ def window_energy(
     step = 1 / (frequency * points)
     force = _corrected(force, step, time_constants[0], 0.0)
     acceleration = _corrected(acceleration, step, time_constants[1], delay)
-    force_h, acceleration_h = harmonics(force, cycles, points), harmonics(acceleration, cycles, points)
-    W_cycles = _loop(force.reshape(cycles, points), acceleration.reshape(cycles, points), step)
-    W_exc, W_kin = _literal(force, acceleration, cycles, points, step, box_mass)
+    sums = cycle_sums(np.ascontiguousarray(force), np.ascontiguousarray(acceleration), acceleration.mean(), cycles)
+    force_h, acceleration_h = (_phasors(shape / cycles) for shape in sums[-1])
+    W_cycles = _loop(sums, points, step)
+    W_exc, W_kin = _literal(sums, points, step, box_mass)
     omega = 2 * math.pi * frequency * np.arange(1, force_h.size + 1)
     return Energy(
         frequency=frequency, cycles=cycles, W=float(W_cycles.mean()), W_cycles=W_cycles, W_exc=W_exc, W_kin=W_kin,
@@ -191,30 +192,40 @@ def harmonics(signal: Array, cycles: int, points: int) -> Complex:
 
     The spectrum of the mean cycle is that of the whole window at the harmonics.
     """
-    spectrum = np.fft.rfft(signal.reshape(cycles, points).mean(axis=0))
-    return spectrum[1 : max(1, int(PASS_BAND * points)) + 1] * (2 / points)
+    return _phasors(signal.reshape(cycles, points).mean(axis=0))
 
 
-def _loop(force: Array, acceleration: Array, step: float) -> Array:
-    """Closed integral of F v dt of every cycle, (cycles, points) -> (cycles,), means removed cycle by cycle."""
-    velocity = integral(acceleration - acceleration.mean(axis=1, keepdims=True), step)
-    force = force - force.mean(axis=1, keepdims=True)
-    return np.asarray(np.einsum("ij,ij->i", force, velocity) * step)
+def _phasors(cycle: Array) -> Complex:
+    """Peak phasors of a mean cycle, (points,)."""
+    points = cycle.size
+    return np.fft.rfft(cycle)[1 : max(1, int(PASS_BAND * points)) + 1] * (2 / points)
 
 
-def _literal(
-    force: Array, acceleration: Array, cycles: int, points: int, step: float, box_mass: float
-) -> tuple[float, float]:
+def _loop(sums: CycleSums, points: int, step: float) -> Array:
+    """Closed integral of F v dt of every cycle, (cycles,), means removed cycle by cycle.
+
+    u is the integral less the mean of the whole window; a cycle's own mean takes a straight line from it.
+    """
+    F, a, kF, u, Fu, _, _ = sums
+    slope = (a - a.mean()) / points  # a.mean() / points is the window's mean
+    steady = Fu - F * u / points
+    return np.asarray((steady - slope * (kF - F * (points - 1) / 2)) * step**2)
+
+
+def _literal(sums: CycleSums, points: int, step: float, box_mass: float) -> tuple[float, float]:
     """W_exc and W_kin of eq. 25, J per cycle, from one integration over the whole window.
 
     An accelerometer's offset makes the velocity drift: the line through the means of the cycles is taken off. (The mean
     acceleration would not do: it is the box's own change of speed too, and W_kin would vanish by construction.)
     """
-    velocity = integral(acceleration - acceleration.mean(), step)
-    means, middle = velocity.reshape(cycles, points).mean(axis=1), np.arange(cycles) - (cycles - 1) / 2
+    F, _, kF, u, Fu, u_first, _ = sums
+    cycles = F.size
+    middle = np.arange(cycles) - (cycles - 1) / 2
+    means = u / points
     slope = float((means * middle).sum()) / float((middle * middle).sum()) if cycles > 1 else 0.0
-    velocity -= float(means.mean()) + slope * (np.arange(velocity.size) / points - (cycles - 1 / points) / 2)
-    W_exc = float(np.einsum("i,i->", force, velocity)) * step / cycles
-    first, last = float(velocity[0]), float(velocity[(cycles - 1) * points])
+    # the line at the start of each cycle, a cycle's middle lying (1 - 1/points)/2 of a cycle behind it
+    line = float(means.mean()) + slope * (middle - (1 - 1 / points) / 2)
+    W_exc = float((Fu - line * F - slope / points * kF).sum()) * step**2 / cycles
+    first, last = float(u_first[0] - line[0]) * step, float(u_first[-1] - line[-1]) * step
     W_kin = 0.5 * box_mass * (last**2 - first**2) / (cycles - 1) if cycles > 1 else 0.0
     return W_exc, W_kin

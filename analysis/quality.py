@@ -12,10 +12,12 @@ cycle, between the impacts, and a step from one cycle to the next.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.passes import cycle_features
 from analysis.runs import AnalysisError, ChannelFacts, Setting, Signal
 from daq.block import Flag
 
@@ -37,7 +39,7 @@ SUDDEN = 0.7  # share of a step that no cycle bridges: 0.47 was seen of a bed th
 BESIDE = 4  # cycles on either side of a sudden step
 NOTHING = 3.0  # a fundamental below so many certified noises is no signal
 
-OVERLOAD = Flag.OVERLOAD_HI | Flag.OVERLOAD_LO
+OVERLOAD = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
 REFUSED = {"stuck": "is stuck: equal values in a row", "no_signal": "carries no signal above its noise"}
 SUSPECT = ("gain_step", "clock_slip", "noisy", "spike", "sensor_clip")
@@ -65,28 +67,34 @@ def features(samples: Array, cycles: int, smooth: bool, stuck: int = 1, free: bo
     """Features of a window of whole cycles, (cycles * points,), poles not undone. smooth: nothing in the condition
     knocks at this channel; only then does a lone spike mean anything, and only then is it looked for. stuck: of the
     samples as recorded. free: no waveform is held."""
-    x = samples.reshape(cycles, -1)
-    points = x.shape[1]
-    turn = 2 * np.pi * np.arange(points) / points
-    basis = np.stack([np.cos(turn), -np.sin(turn)], axis=1) * (2 / points)
-    parts = x @ basis
-    rest = x - x.mean(axis=0)
-    fast = rest[:, 2:] + rest[:, :-2]
-    fast -= 2 * rest[:, 1:-1]
-    quiet = np.quantile(np.abs(np.diff(fast, 2, axis=1)), QUIET, axis=1) if free else np.empty(0)
-    np.abs(fast, out=fast)
-    rms, top = np.sqrt(np.einsum("ij,ij->i", fast, fast) / fast.shape[1]), fast.max(axis=1)
+    points = samples.size // cycles
+    mean, parts, rms, top, peak = cycle_features(samples, cycles, _turn(points))
     lone = smooth and float(top.max()) > GAUSSIAN * float(np.sqrt((rms**2).mean()))
+    fast = _fast(samples.reshape(cycles, points)) if lone or free else np.empty(0)
+    quiet = np.quantile(np.abs(np.diff(fast, 2, axis=1)), QUIET, axis=1) if free else np.empty(0)
     return Cycles(
-        mean=x.mean(axis=1),
-        fundamental=parts[:, 0] + 1j * parts[:, 1],
+        mean=mean,
+        fundamental=parts.view(np.complex128)[:, 0] * (2 / points),
         fast=rms,
         crest=np.divide(top, rms, out=np.zeros_like(top), where=rms > 0),
-        spike=_lone(fast.ravel()) if lone else 0.0,
+        spike=_lone(np.abs(fast).ravel()) if lone else 0.0,
         stuck=stuck,
-        peak=max(float(samples.max()), -float(samples.min())),
+        peak=peak,
         quiet=quiet,
     )
+
+
+@lru_cache(maxsize=4)
+def _turn(points: int) -> Array:
+    """Cosine and negative sine over a cycle, (2, points)."""
+    turn = 2 * np.pi * np.arange(points) / points
+    return np.stack([np.cos(turn), -np.sin(turn)])
+
+
+def _fast(x: Array) -> Array:
+    """Second differences of what the mean cycle leaves of (cycles, points)."""
+    rest = x - x.mean(axis=0)
+    return np.asarray(rest[:, 2:] + rest[:, :-2] - 2 * rest[:, 1:-1])
 
 
 class Scrutiny:

@@ -22,9 +22,10 @@ from daq.block import Flag, flag_names
 __all__ = ["read_session", "run_energy"]
 
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
-BROKEN = Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT
+BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT)
 """Samples are missing or mean nothing: no energy can be stated."""
-OVERLOAD = Flag.OVERLOAD_HI | Flag.OVERLOAD_LO
+OVERLOAD = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
+SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
 TRIGGER = "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
@@ -55,14 +56,14 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         raise AnalysisError(f"{run.name}: {error}") from error
     delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
     stretches = _stretches(record, run, window, tolerate_gaps)
-    parts, scrutiny, bits = [], Scrutiny((force, acceleration), setting), run.flags & ~Flag.NOT_SETTLED
+    parts, scrutiny, bits = [], Scrutiny((force, acceleration), setting), run.flags & SETTLED
     for part in (part for stretch in stretches for part in stretch.segments()):
         first, last = part.sample_range()
         signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
         found = signals[0].flags | signals[1].flags
         if found & BROKEN:
             raise AnalysisError(f"{run.name} has {', '.join(flag_names(found & BROKEN))} in samples {first} to {last}")
-        bits |= found & ~Flag.NOT_SETTLED
+        bits |= found & SETTLED
         F, a = (on_grid(signal.samples, first, part) for signal in signals)
         scrutiny.add(signals, (F, a), part.cycles)
         energy = window_energy(
@@ -95,7 +96,7 @@ def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: boo
     if not tolerate_gaps or not run.flags & BROKEN:
         return (window,)
     blocks = record.blocks(run.name)
-    broken = (np.bitwise_or.reduce(blocks["flags"], axis=1) & int(BROKEN)) != 0
+    broken = (np.bitwise_or.reduce(blocks["flags"], axis=1) & BROKEN) != 0
     bad = [(int(b["start"]), int(b["start"] + b["count"])) for b in blocks[broken]]
     left = clear_of(window, bad)
     if not left:
@@ -111,7 +112,8 @@ def _clip_ratio(record: Record, run: RunFacts) -> float:
 
 def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples: int) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
-    exciter, channel = checked("exciter", record.document("exciter")), record.channels.get(CURRENT)
+    channel = record.channels.get(CURRENT)
+    exciter = None if channel is None else checked("exciter", record.document("exciter"))
     if exciter is None or channel is None:
         return None
     force = _channel(record, FORCE)  # on its time the phasors of the energies stand

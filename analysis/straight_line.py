@@ -5,6 +5,7 @@ independent of each other it is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr 
 covariance between points, which is what instruments that all conditions share make.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 
 STEPS = 200
 ENOUGH = 1e-12  # relative change of the slope at which a step ends the search
+ROUNDED = 1e-6  # below it a change that is no smaller than the last one is round-off (of the inverses), and ends it too
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,7 @@ def fitted(x: Array, y: Array, V_x: Array, V_y: Array, V_xy: Array, origin: bool
     if m < count:
         raise ValueError(f"{m} points do not tell a line with {count} parameters")
     slope, intercept = float(y @ x / (x @ x)) if origin else float(np.polyfit(x, y, 1)[0]), 0.0
+    last = math.inf
     for _ in range(STEPS):
         # of y - slope x, and how much of that residual is x's own error: x less that is where the point lies
         V = V_y - slope * (V_xy + V_xy.T) + slope**2 * V_x
@@ -60,8 +63,9 @@ def fitted(x: Array, y: Array, V_x: Array, V_y: Array, V_xy: Array, origin: bool
         to_y = covariance @ design.T @ weight
         change = float(to_y[0] @ residual)
         slope += change
-        if abs(change) <= ENOUGH * abs(slope):
+        if abs(change) <= ENOUGH * abs(slope) or last <= abs(change) <= ROUNDED * abs(slope):
             break
+        last = abs(change)
     return StraightLine(
         slope=slope,
         intercept=intercept,

@@ -70,6 +70,16 @@ def checked(rows: Sequence[Row]) -> list[Row]:
                 least=True,
             )
         )
+    found += [
+        _check(
+            f"{row['problem']}, {row['method']}: speed over that of {row['speed']['rival']}",
+            row["speed"]["median"],
+            row["speed"]["demand"],
+            least=True,
+        )
+        for row in rows
+        if row["kind"] == "part" and row.get("speed")
+    ]
     tier = [row for row in rows if row["kind"] == "layers" and row["method"] == "closed tier, 8 rows"]
     if tier:
         found.append(

@@ -65,8 +65,10 @@ in it.""",
     "parts": """## Parts
 
 Errors: chain, the rebound against exact fractions; acquisition, a tone beside one that would alias onto it; recorder,
-codes that come back different; reading, the energy through the gauge against the ledger (sensors err, and the plain
-script compensates nothing).""",
+objects and attributes in which its file differs from the one that plain h5py writes; reading, the energy through the
+gauge against the ledger (sensors err, and the plain script compensates nothing). `plain h5py: the same file` makes the
+session's groups, data sets, attributes and tables by h5py's own calls and flushes every block and row as the recorder
+does; `codes alone` has neither attributes nor tables nor single-writer mode.""",
     "exponents": """## How cost grows
 
 {scaling}

@@ -16,16 +16,14 @@ from analysis import read_session
 from benchmarks.machine import ROOT, cores
 from benchmarks.process import run_process, timed_process
 from benchmarks.scaling import workers
-from benchmarks.timing import interleaved, peak_memory, spread
+from benchmarks.timing import against, interleaved, peak_memory, spread
 from daq.acquisition import Emulated
-from daq.block import Block
 from daq.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, ideal_transducer
 from daq.fir import DELAY
 from daq.frontend import FrontEnd
-from daq.session import Recorder, open_session
-from daq.session_plan import CHUNK
+from daq.session import open_session
 from rig.campaign import Campaign, replay, run
-from rig.campaign.session import session_plan
+from rig.campaign.replaying import analysed
 from rig.catalog import load_rig
 from rig.protocol import read_protocol
 
@@ -33,12 +31,12 @@ Row = dict[str, Any]
 Array = np.typing.NDArray[np.float64]
 
 FILL = ROOT / "protocols" / "fill_rate.yaml"
+REPLAY, PLAIN = "replay: blocks and energies (ours)", "plain h5py and trapezoids"
 RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
 
 
-def fill_campaign(repeats: int | None = None) -> Campaign:
-    """The shipped fill protocol, or with fewer repeats. Raises InputError where the protocols are not installed."""
-    sets = () if repeats is None else (f"repeats={repeats}",)
+def fill_campaign(*sets: str) -> Campaign:
+    """The shipped fill protocol with values replaced. Raises InputError where the protocols are not installed."""
     loaded = read_protocol(str(FILL), sets, (), None, None)
     return Campaign.of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
 
@@ -61,7 +59,7 @@ def fill(rounds: int) -> list[Row]:
     and how the recording's time falls with workers."""
     campaign = fill_campaign()
     counts = [1, cores()] if cores() > 1 else [1]
-    recording_seconds(fill_campaign(1), counts[-1])
+    recording_seconds(fill_campaign("repeats=1"), counts[-1])
     times: dict[float, list[float]] = {count: [] for count in counts}
     for _ in range(rounds):
         for count in counts:
@@ -117,7 +115,7 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
     from scipy.signal import firwin, kaiserord, upfirdn  # type: ignore[attr-defined, unused-ignore]
 
     samples = 50_000 if quick else 200_000
-    tools = fill_campaign(1).instruments
+    tools = fill_campaign("repeats=1").instruments
     rate = 10240.0
     t = (np.arange(8 * samples) + 0.5) / 8.0
     wanted, alias = np.sin(2.0 * np.pi * 0.2 * t), np.sin(2.0 * np.pi * 0.83 * t)
@@ -139,7 +137,8 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
         return np.asarray(upfirdn(single, volts, 1, 8, axis=1)[0])
 
     n = np.arange(samples)
-    calls = {"front end: filter, noise, codes (ours)": ours, "scipy.signal.upfirdn, one stage, filter alone": theirs}
+    first, second = "front end: filter, noise, codes, flags (ours)", "scipy.signal.upfirdn, one stage, filter alone"
+    calls = {first: ours, second: theirs}
     checks: tuple[Callable[[], Array], ...] = (partial(ours, silent, ideal_analyzer()), theirs)
     delays = (DELAY - 0.5 / 8.0, (taps - 1) / 2.0 / 8.0 - 0.5 / 8.0)
     rows: dict[str, Row] = {}
@@ -153,94 +152,47 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
             "error": float(np.sqrt(np.mean((found[:samples][inside] - exact[inside]) ** 2)) / 0.1),
             "what": f"2 channels of {samples} samples; rms error of a tone at 0.2 of the rate, one at 0.83 beside it",
         }  # fmt: skip
-    for name, seconds in interleaved(calls, rounds).items():
+    times = interleaved(calls, rounds)
+    for name, seconds in times.items():
         rows[name]["ms"] = spread([1e3 * value for value in seconds])
-    return list(rows.values())
-
-
-def recorder(rounds: int) -> list[Row]:
-    """The session's recorder beside plain h5py: the same codes in the same chunks, each block flushed."""
-    campaign = fill_campaign(1)
-    plan = session_plan(campaign)
-    runs = campaign.runs
-    rng = np.random.Generator(np.random.SFC64(1))
-    most = max(campaign.lengths[r.condition.id].samples for r in runs)
-    codes = rng.integers(-(2**23), 2**23, (len(plan.channels), most), dtype=np.int32)
-    zero = np.zeros(len(plan.channels))
-    names = [channel.name for channel in plan.channels]
-    with tempfile.TemporaryDirectory() as folder:
-        session, plain = Path(folder) / "s.h5", Path(folder) / "p.h5"
-
-        def ours() -> None:
-            with Recorder.create(session, plan, overwrite=True) as writer:
-                for one in runs:
-                    first = 0
-                    for count in campaign.lengths[one.condition.id].blocks:
-                        part = codes[:, first : first + count]
-                        writer.append(
-                            one.name, Block(first, part, zero.astype(np.uint16), zero.astype(np.uint32), False)
-                        )
-                        first += count
-
-        def theirs() -> None:
-            with h5py.File(plain, "w", libver="latest") as file:
-                room = {
-                    (one.name, name): file.create_dataset(
-                        f"{one.name}/data/{name}", (campaign.lengths[one.condition.id].samples,), "<i4",
-                        chunks=(min(CHUNK, campaign.lengths[one.condition.id].samples),),
-                    )
-                    for one in campaign.runs for name in names
-                }  # fmt: skip
-                for one in runs:
-                    first = 0
-                    for count in campaign.lengths[one.condition.id].blocks:
-                        for row, name in enumerate(names):
-                            room[one.name, name][first : first + count] = codes[row, first : first + count]
-                            room[one.name, name].flush()
-                        first += count
-
-        calls = {"recorder: codes, flags, status, single-writer mode (ours)": ours, "plain h5py: codes": theirs}
-        rows: dict[str, Row] = {}
-        for (name, call), path in zip(calls.items(), (session, plain), strict=True):
-            call()
-            _, kilobytes = peak_memory(call)
-            with h5py.File(path, "r") as file:
-                back = file[f"{runs[0].name}/data/{names[0]}"][:]
-            rows[name] = {
-                "kind": "part", "problem": "recorder", "method": name, "failure": None, "memory_kB": kilobytes,
-                "error": float(np.mean(back != codes[0, : back.size])),
-                "what": f"{len(runs)} runs of {most} samples, 2 channels; share of codes that come back different",
-            }  # fmt: skip
-        for name, seconds in interleaved(calls, rounds).items():
-            rows[name]["ms"] = spread([1e3 * value for value in seconds])
+    rows[first]["speed"] = against(times, first, second, 3.0)
     return list(rows.values())
 
 
 def reading(rounds: int, quick: bool) -> list[Row]:
-    """Analysis and replay of a recorded fill protocol beside plain reading and trapezoids over the same samples."""
-    campaign = fill_campaign(1 if quick else 2)
+    """Replay with analysis beside plain reading and trapezoids over the same samples: short runs, and long ones."""
+    long = fill_campaign("vary={}", "repeats=2", f"acquire.record={2000 if quick else 4000} cycles")
+    problems = (("reading, short runs", fill_campaign(f"repeats={1 if quick else 2}")), ("reading, long runs", long))
+    return [row for problem, campaign in problems for row in _reading(problem, campaign, rounds)]
+
+
+def _reading(problem: str, campaign: Campaign, rounds: int) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         run(campaign, Path(folder), cores())
         path = Path(folder) / "session.h5"
         calls = {
+            REPLAY: partial(_replayed, path),
+            "replay: blocks, energies and report (ours)": partial(_reported, path),
             "analysis and report (ours)": partial(_analysed, path),
-            "replay: blocks, analysis and report (ours)": partial(_replayed, path),
-            "plain h5py and trapezoids": partial(_plain, path),
+            PLAIN: partial(_plain, path),
         }
         with open_session(path) as record:
             truth = record.truth
             exact = {r.name: _true_energy(truth, r.name, campaign) for r in record.runs} if truth else {}
         rows: dict[str, Row] = {}
+        cycles = campaign.conditions[0].acquire.record
         for name, call in calls.items():
             call()
             found, kilobytes = peak_memory(call)
             rows[name] = {
-                "kind": "part", "problem": "reading", "method": name, "failure": None, "memory_kB": kilobytes,
+                "kind": "part", "problem": problem, "method": name, "failure": None, "memory_kB": kilobytes,
                 "error": float(np.median([abs(found[key] / exact[key] - 1.0) for key in exact])),
-                "what": f"{len(campaign.runs)} runs of 50 cycles; median error of W at the gauge against the ledger",
+                "what": f"{len(campaign.runs)} runs of {cycles} cycles; median error of W at the gauge, by the ledger",
             }  # fmt: skip
-        for name, seconds in interleaved(calls, rounds).items():
+        times = interleaved(calls, rounds)
+        for name, seconds in times.items():
             rows[name]["ms"] = spread([1e3 * value for value in seconds])
+        rows[REPLAY]["speed"] = against(times, REPLAY, PLAIN, 0.5)
     return list(rows.values())
 
 
@@ -253,8 +205,14 @@ def _analysed(path: Path) -> dict[str, float]:
         return _energies(read_session(record))
 
 
-def _replayed(path: Path) -> dict[str, float]:
+def _reported(path: Path) -> dict[str, float]:
     return _energies(replay(path))
+
+
+def _replayed(path: Path) -> dict[str, float]:
+    """Every run's blocks and energies, quality looked at, without the report on all of them."""
+    with open_session(path) as record:
+        return {name: found.energy.W for name, found in analysed(record).items()}
 
 
 def _true_energy(truth: Any, name: str, campaign: Campaign) -> float:

@@ -23,7 +23,7 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
-    from benchmarks import beds, chain, precision, records, scaling, sliders, small_beds
+    from benchmarks import beds, chain, precision, recording, records, scaling, sliders, small_beds
 
     rounds = 3 if quick else 5
     few = min(rounds, 3)
@@ -41,7 +41,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         Job("drift of the account", 1.0 if quick else 5.0, partial(beds.drift, 10_000 if quick else 100_000)),
         Job("chain", 0.5 if quick else 2.5, partial(chain.chain, 10, rounds, quick)),
         Job("acquisition", 1.0 if quick else 3.0, partial(records.acquisition, rounds, quick)),
-        Job("recorder", 2.0, partial(records.recorder, rounds)),
+        Job("recorder", 2.0, partial(recording.recorder, rounds)),
         Job("analysis and replay", 4.0 if quick else 8.0, partial(records.reading, few, quick)),
         Job("fill protocol", 16.0 if quick else 45.0, partial(records.fill, 2 if quick else 5)),
     ]

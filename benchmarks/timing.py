@@ -56,6 +56,11 @@ def ratios(slow: list[float], fast: list[float]) -> dict[str, Any]:
     return spread([a / b for a, b in zip(slow, fast, strict=True)])
 
 
+def against(times: Mapping[str, list[float]], ours: str, rival: str, demand: float) -> dict[str, Any]:
+    """A claim on `interleaved` times, for a row: speed over a rival's, and the least that is demanded of it."""
+    return {"rival": rival, "demand": demand, **ratios(times[rival], times[ours])}
+
+
 def peak_memory(call: Callable[[], Any]) -> tuple[Any, float]:
     """Result of a call, and the most that Python and numpy held for it, kB (what compiled code holds is not seen)."""
     tracemalloc.start()

@@ -8,6 +8,7 @@ from daq.session_record import Record
 
 __all__ = ["Replayed"]
 
+NOT_SETTLED = np.uint16(Flag.NOT_SETTLED)
 OVERLOAD = np.uint16(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
 
@@ -52,7 +53,7 @@ class Replayed:
             raise SessionError(
                 f"{self._info.name} ends at sample {self._info.samples}; {start} to {stop} was asked for"
             )
-        codes = np.stack([self._record.codes(self._info.name, name, start, stop) for name in self.channels])
+        codes = self._record.all_codes(self._info.name, start, stop)
         self._next = stop
         touched = self._rows[(self._starts < stop) & (self._ends > start)]
         flags = np.bitwise_or.reduce(touched["flags"], axis=0, initial=np.uint16(0))
@@ -64,4 +65,4 @@ class Replayed:
             clipped = (high + low).astype(np.uint32)
             counted = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0)
             flags = (flags & ~OVERLOAD) | counted.astype(np.uint16)
-        return Block(start, codes, flags, clipped, bool((flags & Flag.NOT_SETTLED).any()))
+        return Block(start, codes, flags, clipped, bool((flags & NOT_SETTLED).any()))

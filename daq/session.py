@@ -17,7 +17,7 @@ import numpy.typing as npt
 from daq.block import Block, Flag
 from daq.hdf5_flags import clear_consistency_flags
 from daq.reserve import reserve
-from daq.session_hdf5 import dataset, open_file, write_rows
+from daq.session_hdf5 import Rows, open_file
 from daq.session_layout import build_session
 from daq.session_plan import (
     RunInfo,
@@ -51,7 +51,7 @@ class Recorder:
         self._channels = tuple(self._record.channels)
         self._scalar_names: tuple[str, ...] = tuple(self._record.document("scalars"))
         self._rows = self._record.status_rows
-        self._open: dict[str, Any] = {}
+        self._open: dict[str, Rows] = {}
         self._failed = False
 
     @classmethod
@@ -209,15 +209,15 @@ class Recorder:
         index = self._index[run]
         self._write("session/status", index, self._rows[index : index + 1])
 
-    def _dataset(self, path: str) -> Any:
+    def _dataset(self, path: str) -> Rows:
         if path not in self._open:
-            self._open[path] = dataset(self._file, path)
+            self._open[path] = Rows(self._file, path)
         return self._open[path]
 
     def _write(self, path: str, first: int, rows: npt.NDArray[Any]) -> None:
         """Write rows from `first` on and flush them."""
         try:
-            write_rows(self._dataset(path), first, rows)
+            self._dataset(path).write(first, rows)
         except (OSError, RuntimeError) as error:
             self._failed = True
             why = str(error).partition(" (file write failed")[0].partition(", buf")[0]

@@ -21,6 +21,8 @@ from daq.writer_lock import is_locked
 
 __all__ = [
     "AttributeValue",
+    "Rows",
+    "Table",
     "array",
     "attributes",
     "dataset",
@@ -31,17 +33,15 @@ __all__ = [
     "open_file",
     "open_for_reading",
     "read_attributes",
-    "read_rows",
     "read_text",
-    "table",
     "text",
-    "write_rows",
 ]
 
 AttributeValue = str | int | float | Sequence[str]
 FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32})
 LARGEST_PACKING = 1100  # times that gzip makes zeros smaller, at most
 CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
+IN_HEADER = 64  # attributes of a group that are kept in its header
 SCALAR = h5s.create(h5s.SCALAR)
 
 
@@ -66,7 +66,7 @@ def open_for_reading(path: Path) -> Any:
 
 def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
     """Create a group (low-level id) with attributes below a file or group id."""
-    created = h5g.create(owner, name.encode())
+    created = h5g.create(owner, name.encode(), gcpl=_group_layout())
     attributes(created, values)
     return created
 
@@ -74,32 +74,30 @@ def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
 def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
     """Create attributes: text as fixed-length UTF-8, lists of text as arrays of it, int64, float64."""
     for name, value in values.items():
+        encoded: npt.NDArray[Any]
         if isinstance(value, int):
-            h5a.create(owner, name.encode(), h5t.STD_I64LE, SCALAR).write(np.array(value, "<i8"))
+            encoded, kind = np.array(value, "<i8"), h5t.STD_I64LE
         elif isinstance(value, float):
-            h5a.create(owner, name.encode(), h5t.IEEE_F64LE, SCALAR).write(np.array(value, "<f8"))
+            encoded, kind = np.array(value, "<f8"), h5t.IEEE_F64LE
         else:
-            texts = np.array(value.encode() if isinstance(value, str) else [entry.encode() for entry in value])
-            space = h5s.create_simple(texts.shape) if texts.shape else SCALAR
-            kind = _text_type(texts)
-            h5a.create(owner, name.encode(), kind, space).write(texts, mtype=kind)
+            encoded = np.array(value.encode() if isinstance(value, str) else [entry.encode() for entry in value])
+            kind = _text_type(encoded.dtype.itemsize)
+        space = h5s.create_simple(encoded.shape) if encoded.shape else SCALAR
+        h5a.create(owner, name.encode(), kind, space).write(encoded, kind)
 
 
 def text(owner: Any, name: str, value: str) -> None:
     """Create a scalar UTF-8 dataset of fixed length (attributes end at 64 kB; variable lengths do not suit SWMR)."""
     encoded = np.array(value.encode())
-    kind = _text_type(encoded)
+    kind = _text_type(encoded.dtype.itemsize)
     h5d.create(owner, name.encode(), kind, SCALAR).write(h5s.ALL, h5s.ALL, encoded, mtype=kind)
 
 
 def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
     """Create a fixed-size dataset with its space allocated now. Tables (chunk = 0) are filled with zeros now."""
-    layout = h5p.create(h5p.DATASET_CREATE)
-    layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
-    layout.set_fill_time(h5d.FILL_TIME_NEVER if chunk else h5d.FILL_TIME_ALLOC)
-    if chunk:
-        layout.set_chunk((chunk,))
-    return h5d.create(owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), layout)
+    return h5d.create(
+        owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), _array_layout(chunk)
+    )
 
 
 def has(file: Any, path: str) -> bool:
@@ -154,32 +152,57 @@ def dataset(file: Any, path: str) -> Any:
     return found
 
 
-def table(file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Any:
-    """Open a dataset of the given type and shape; KeyError or ValueError where it is another."""
-    found = dataset(file, path)
-    if found.dtype != np.dtype(dtype) or found.shape != shape:
-        raise ValueError(f"{path} holds {found.dtype} of shape {found.shape}, expected {np.dtype(dtype)} of {shape}")
-    return found
+class Table:
+    """A dataset of the given type and shape, opened for reading; KeyError or ValueError where it is another."""
+
+    def __init__(self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> None:
+        self._source = dataset(file, path)
+        self._dtype, self._shape = np.dtype(dtype), shape
+        self._space = self._source.get_space()
+        there = self._space.get_simple_extent_dims()
+        same = self._source.get_type().equal(
+            _memory_type(self._dtype)
+        )  # numpy's type of a table takes ten times as long
+        if there != shape or not (same or self._source.dtype == self._dtype):
+            raise ValueError(f"{path} holds {self._source.dtype} of shape {there}, expected {self._dtype} of {shape}")
+
+    def refresh(self) -> None:
+        """Forget what was read: another process writes."""
+        self._source.refresh()
+
+    def rows(self, start: int, stop: int) -> npt.NDArray[Any]:
+        """Rows start..stop; ValueError where there are fewer."""
+        rows = np.empty((stop - start, *self._shape[1:]), self._dtype)
+        self.read_into(rows, start)
+        return rows
+
+    def read_into(self, rows: npt.NDArray[Any], start: int) -> None:
+        """Fill contiguous `rows` of the table's type with those from `start` on; ValueError where there are fewer."""
+        if not 0 <= start <= start + len(rows) <= self._shape[0]:
+            raise ValueError(f"rows {start} to {start + len(rows)} of a table of {self._shape[0]}")
+        if rows.size:
+            self._space.select_hyperslab((start, *(0 for _ in self._shape[1:])), rows.shape[: len(self._shape)])
+            self._source.read(_whole(rows.shape[: len(self._shape)]), self._space, rows, _memory_type(self._dtype))
 
 
-def read_rows(source: Any, dtype: npt.DTypeLike, start: int, stop: int) -> npt.NDArray[Any]:
-    """Rows start..stop of a dataset as `dtype`; ValueError where it has fewer."""
-    if not 0 <= start <= stop <= source.shape[0]:
-        raise ValueError(f"rows {start} to {stop} of a table of {source.shape[0]}")
-    rows = np.zeros((stop - start, *source.shape[1:]), dtype=dtype)
-    if rows.size:
-        space = source.get_space()
-        space.select_hyperslab((start, *(0 for _ in source.shape[1:])), rows.shape[: source.rank])
-        source.read(h5s.create_simple(rows.shape[: source.rank]), space, rows, _memory_type(rows.dtype))
-    return rows
+class Rows:
+    """A dataset of one's own file, opened for writing rows in order.
 
+    No chunk is kept in memory: HDF5 hands samples on to the operating system as they come, once, and not first to a
+    cache and from there, chunk by chunk, at the flush.
+    """
 
-def write_rows(target: Any, start: int, rows: npt.NDArray[Any]) -> None:
-    """Write rows from `start` on and hand them to the operating system, so that they outlive this process."""
-    space = target.get_space()
-    space.select_hyperslab((start, *(0 for _ in rows.shape[1:])), rows.shape)
-    target.write(h5s.create_simple(rows.shape), space, rows, _memory_type(rows.dtype))
-    target.flush()
+    def __init__(self, file: Any, path: str) -> None:
+        self._target = h5d.open(file.id, path.encode(), _uncached())
+        self._space = self._target.get_space()
+        self._rest = (0,) * (self._target.rank - 1)
+        self.shape: tuple[int, ...] = self._target.shape
+
+    def write(self, start: int, rows: npt.NDArray[Any]) -> None:
+        """Write rows from `start` on and hand them to the operating system, so that they outlive this process."""
+        self._space.select_hyperslab((start, *self._rest), rows.shape)
+        self._target.write(_whole(rows.shape), self._space, rows, _memory_type(rows.dtype))
+        self._target.flush()
 
 
 def read_text(source: Any) -> str:
@@ -211,14 +234,46 @@ def _decoded(value: Any) -> Any:
 
 
 @lru_cache
+def _group_layout() -> Any:
+    """Attributes stay in the group's header: a heap for more than eight would cost more than they do."""
+    layout = h5p.create(h5p.GROUP_CREATE)
+    layout.set_attr_phase_change(IN_HEADER, 0)
+    return layout
+
+
+@lru_cache
+def _array_layout(chunk: int) -> Any:
+    layout = h5p.create(h5p.DATASET_CREATE)
+    layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
+    layout.set_fill_time(h5d.FILL_TIME_NEVER if chunk else h5d.FILL_TIME_ALLOC)
+    if chunk:
+        layout.set_chunk((chunk,))
+    return layout
+
+
+@lru_cache
+def _uncached() -> Any:
+    access = h5p.create(h5p.DATASET_ACCESS)
+    access.set_chunk_cache(1, 0, 1.0)
+    return access
+
+
+@lru_cache
+def _whole(shape: tuple[int, ...]) -> Any:
+    """The dataspace of an array in memory."""
+    return h5s.create_simple(shape)
+
+
+@lru_cache
 def _memory_type(dtype: np.dtype[Any]) -> Any:
     """The HDF5 type of a numpy one; making it anew costs more than writing a row."""
     return h5t.py_create(dtype)
 
 
-def _text_type(texts: npt.NDArray[np.bytes_]) -> Any:
+@lru_cache
+def _text_type(size: int) -> Any:
     kind = h5t.C_S1.copy()
-    kind.set_size(max(1, texts.dtype.itemsize))
+    kind.set_size(max(1, size))
     kind.set_cset(h5t.CSET_UTF8)
     kind.set_strpad(h5t.STR_NULLPAD)
     return kind

@@ -25,15 +25,14 @@ from daq.session_content import (
     status_deviations,
 )
 from daq.session_hdf5 import (
+    Table,
     dataset,
     has,
     is_text,
     members,
     open_for_reading,
     read_attributes,
-    read_rows,
     read_text,
-    table,
 )
 from daq.session_plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, run_info, status_dtype
 from daq.shapes import LARGEST, Keys, List, Text, YesNo, deviations
@@ -85,8 +84,10 @@ class Record:
         self._patience = patience
         self._owned = file.mode == "r"  # a recorder keeps its own file
         self._live = self._owned and file.swmr_mode  # another process may be writing
-        self._tables: dict[str, Any] = {}  # opened and checked
+        self._tables: dict[str, Table] = {}  # opened and checked
         self._known_blocks: tuple[str, npt.NDArray[np.void]] | None = None
+        self._known_scalars: tuple[str, dict[str, float]] | None = None
+        self._documents: dict[str, Any] = {}
         with self.readable():
             root = read_attributes(file, "")
             self.schema = str(root.get("schema", "none"))
@@ -192,8 +193,11 @@ class Record:
         return tuple(name for name in self.texts("session") if name != "protocol_text")
 
     def document(self, name: str) -> Any:
-        """The JSON value of a session document ("prediction", "rig", "protocol"...), None where there is none."""
-        return self.json_or_none(f"session/{name}")
+        """The JSON value of a session document ("prediction", "rig", "protocol"...), None where there is none; the
+        same object every time."""
+        if name not in self._documents:
+            self._documents[name] = self.json_or_none(f"session/{name}")
+        return self._documents[name]
 
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
         """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
@@ -217,6 +221,15 @@ class Record:
         first, last = self._within(run, self._status(run), start, stop)
         return self._codes(run, self._channel(name).name, first, last)
 
+    def all_codes(self, run: str, start: int, stop: int) -> Codes:
+        """Converter codes start..stop of every channel, (channels, samples) in row order."""
+        first, last = self._within(run, self._status(run), start, stop)
+        codes = np.empty((len(self.channels), last - first), np.int32)
+        for row, name in zip(codes, self.channels, strict=True):
+            with self.readable():
+                self._table(f"{run}/data/{name}", "<i4", (self._plans[run].samples,)).read_into(row, first)
+        return codes
+
     def blocks(self, run: str) -> npt.NDArray[np.void]:
         """The blocks recorded so far: start, count, flags and clipped (one column per channel)."""
         return self._blocks(run, self._status(run))
@@ -225,10 +238,12 @@ class Record:
         """The floats that the run ended with, by name; empty where it is not complete."""
         if not self._scalar_names or not self._status(run)["complete"]:
             return {}
-        values = self._rows(f"{run}/scalars", "<f8", (len(self._scalar_names),))
-        if (np.abs(values) > LARGEST).any():
-            raise SessionError(f"{self._path} is damaged: {run}/scalars holds absurd numbers")
-        return dict(zip(self._scalar_names, values.tolist(), strict=True))
+        if self._known_scalars is None or self._known_scalars[0] != run:
+            values = self._rows(f"{run}/scalars", "<f8", (len(self._scalar_names),))
+            if (np.abs(values) > LARGEST).any():
+                raise SessionError(f"{self._path} is damaged: {run}/scalars holds absurd numbers")
+            self._known_scalars = run, dict(zip(self._scalar_names, values.tolist(), strict=True))
+        return dict(self._known_scalars[1])
 
     def attributes(self, path: str) -> dict[str, Any]:
         """Attributes of a group or dataset of the session."""
@@ -277,19 +292,18 @@ class Record:
     ) -> npt.NDArray[Any]:
         """Rows start..stop of the table of that type and shape, as they are now."""
         with self.readable():
-            source = self._table(path, dtype, shape)
-            return read_rows(source, dtype, start, shape[0] if stop is None else stop)
+            return self._table(path, dtype, shape).rows(start, shape[0] if stop is None else stop)
 
-    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Any:
+    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Table:
         """A table opened and checked, or kept from before; while a writer lives, opened anew, without old chunks."""
         if self._live:
-            source = table(self._file, path, dtype, shape)
+            source = Table(self._file, path, dtype, shape)
             source.refresh()
             return source
         if path not in self._tables:
             if len(self._tables) >= KEPT_TABLES:
                 self._tables.clear()
-            self._tables[path] = table(self._file, path, dtype, shape)
+            self._tables[path] = Table(self._file, path, dtype, shape)
         return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:

@@ -18,6 +18,8 @@ from rig.campaign.recording import Analysis, Part, Watch, record_parts
 from rig.campaign.watching import Look, Watcher
 from rig.provenance import replay_provenance
 
+NO_LEDGER = np.empty((0, 0))
+
 
 def replay(
     session: Path,
@@ -47,7 +49,10 @@ def replay(
 
 
 def analysed(
-    record: Record, speed: float | None, progress: Watch = lambda _: None, look: Callable[[Look], None] | None = None
+    record: Record,
+    speed: float | None = None,
+    progress: Watch = lambda _: None,
+    look: Callable[[Look], None] | None = None,
 ) -> dict[str, RunEnergy]:
     """Energies of a record's complete runs, in their order of execution, found while their blocks come in."""
     analysis = Analysis(record, progress, done=0)
@@ -56,7 +61,7 @@ def analysed(
         ended: list[Part] = []
 
         def blocks(info: RunInfo = info, ended: list[Part] = ended) -> Iterator[Block]:
-            for part in recorded_run(record, info, speed):
+            for part in recorded_run(record, info, speed, NO_LEDGER):
                 if watcher is not None:
                     watcher.hear(part.run, part.block)
                 if part.scalars is not None:
@@ -75,13 +80,12 @@ def analysed(
 def recorded(record: Record, speed: float | None) -> Iterator[Part]:
     """The parts of a record, runs in their order of execution, paced; of an incomplete run, what there is."""
     for info in sorted(record.runs, key=lambda run: run.order):
-        yield from recorded_run(record, info, speed)
+        yield from recorded_run(record, info, speed, _ledger(record, info.name))
 
 
-def recorded_run(record: Record, info: RunInfo, speed: float | None) -> Iterator[Part]:
-    """The parts of one run."""
-    acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
-    rows = _ledger(record, info.name)
+def recorded_run(record: Record, info: RunInfo, speed: float | None, ledger: NDArray[np.float64]) -> Iterator[Part]:
+    """The parts of one run; the first brings the ledger."""
+    acquisition, pacer, rows = Replayed(record, info.name), Pacer(info.rate, speed), ledger
     for samples in acquisition.sizes:
         block = acquisition.read(samples)
         pacer.wait(block.start + block.count)
@@ -93,5 +97,5 @@ def recorded_run(record: Record, info: RunInfo, speed: float | None) -> Iterator
 
 def _ledger(record: Record, run: str) -> NDArray[np.float64]:
     if record.truth is None or not record.ledger_columns:
-        return np.empty((0, 0))
+        return NO_LEDGER
     return record.truth.ledger(run)[1]

@@ -12,7 +12,9 @@ ROOT = Path(__file__).parents[2]
 
 ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
-    "analysis": ("analysis", "daq.session", "daq.block", "daq.channel", "daq.shapes", "numpy", "scipy", "matplotlib"),
+    "analysis": (
+        "analysis", "daq.session", "daq.block", "daq.channel", "daq.shapes", "numpy", "numba", "scipy", "matplotlib",
+    ),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.beds": (
@@ -35,11 +37,11 @@ HOMES = {
     "yaml": ("rig.catalog",),
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
-    "h5py": ("daq.session", "daq.formats", "benchmarks.records"),
+    "h5py": ("daq.session", "daq.formats", "benchmarks.records", "benchmarks.recording"),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
     "matplotlib": ("analysis.figures", "analysis.study_figures", "benchmarks"),
-    "numba": ("daq", "rig.kernels", "benchmarks"),
+    "numba": ("daq", "rig.kernels", "analysis.passes", "benchmarks"),
 }
 """All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
 
