@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.methods.method import Failed, Method, Work
 from benchmarks.sliders import WIDE, Slider
+from rig.kernels.borrowed import borrowed
 from rig.kernels.row import cycle, no_events
 from rig.kernels.slug_cycle import Events, World, world
 from rig.kernels.slug_cycle import cycle as slug_cycle
@@ -36,14 +37,16 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
     return Work(*found)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _row(
     band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
     room: NDArray[np.void], settle: int, average: int,
 ) -> tuple[float, int, int, int, int]:  # fmt: skip
     energy, events, roots = 0.0, 0, 0
+    table, P, Q = borrowed(table), borrowed(P), borrowed(Q)
+    event = borrowed(room)[0]
     for k in range(settle + average):
-        after = cycle(mode, u, z, band, play, restitution, table, P, Q, room[0])
+        after = cycle(mode, u, z, band, play, restitution, table, P, Q, event)
         mode, u, z = after.mode, after.u, after.z
         if after.events < 0:
             return energy, -1, 0, 0, roots
@@ -54,12 +57,14 @@ def _row(
     return energy, events, roots, 0, roots
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _slug(
     mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int]:  # fmt: skip
-    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    Si, Ci = np.empty(P.shape[0]), np.empty(P.shape[0])
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(Si), borrowed(Ci)
+    room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))
     energy, events, roots = 0.0, 0, 0
     for k in range(settle + average):
         after = slug_cycle(mode, u, z, world, table, P, Q, S, C, room)

@@ -11,10 +11,16 @@ import math
 
 from numba import njit
 
-from rig.kernels.waveform import Array
+from rig.kernels.waveform import Array, near_by
 
-CONVERGED = 1e-9
-"""Newton step over the time since the start, behind which the next would lie below round-off."""
+NEAR = 0.01
+"""Step, as a share of the time since the start (at most 1), over which a Taylor series of order 7 is exact.
+
+Divided by the number of harmonics. A root found to be so near is finished on the series, without another sine.
+"""
+
+EXACT = 1e-17
+"""Error, in the same measure, that a step on the series may leave: half its square times curvature over slope."""
 
 TIGHT = 1e-15
 """Relative bracket width at which bisection has nothing left to halve."""
@@ -30,14 +36,14 @@ LOW = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(8))
 
 @njit(cache=True, nogil=True, inline="always")
 def _tail(q: float, series: tuple[float, ...]) -> float:
-    """A polynomial in q, lowest order first."""
-    return series[0] + q * (
-        series[1]
-        + q * (series[2] + q * (series[3] + q * (series[4] + q * (series[5] + q * (series[6] + q * series[7])))))
-    )
+    """A polynomial in q, lowest order first, summed in pairs."""
+    square = q * q
+    low = (series[0] + q * series[1]) + square * (series[2] + q * series[3])
+    high = (series[4] + q * series[5]) + square * (series[6] + q * series[7])
+    return low + square * square * high
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def at(theta: float, P: Array, Q: Array, S: Array, C: Array) -> tuple[float, float, float]:
     """Position, velocity and acceleration of the box; fills S = P sin + Q cos, C = P cos - Q sin of each harmonic."""
     x, v, a = 0.0, 0.0, 0.0
@@ -52,12 +58,15 @@ def at(theta: float, P: Array, Q: Array, S: Array, C: Array) -> tuple[float, flo
     return x, v, a
 
 
-@njit(cache=True, nogil=True)
-def drift(t: float, u0: float, a0: float, S: Array, C: Array) -> tuple[float, float, float]:
-    """Displacement, velocity and acceleration against the box, a time t after the start."""
+@njit(cache=True, nogil=True, inline="always")
+def drift(
+    t: float, u0: float, a0: float, S: Array, C: Array
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Displacement, velocity and acceleration against the box, a time t after the start, and derivatives up to 7."""
     d = (u0 + 0.5 * a0 * t) * t
     u = u0 + a0 * t
     a = a0
+    jerk, d4, d5, d6, d7 = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(S.shape[0]):
         if S[k] == 0.0 and C[k] == 0.0:
             continue
@@ -74,54 +83,96 @@ def drift(t: float, u0: float, a0: float, S: Array, C: Array) -> tuple[float, fl
         d += (C[k] * late - S[k] * low) / (h * h)
         u += (C[k] * versine - S[k] * late) / h
         a += C[k] * sine - S[k] * versine
-    return d, u, a
+        square = h * h
+        turn = h * (C[k] - C[k] * versine - S[k] * sine)
+        wave = square * (C[k] * sine + S[k] - S[k] * versine)
+        jerk += turn
+        d4 -= wave
+        d5 -= square * turn
+        d6 += square * wave
+        d7 += square * square * turn
+    return d, u, a, jerk, d4, d5, d6, d7
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def reach(
     lo: float, hi: float, guess: float, wall: float, sense: float, u0: float, a0: float, S: Array, C: Array
-) -> tuple[float, int]:
-    """When the displacement gets to `wall`, moving up (sense 1) or down (-1), and the steps it took.
+) -> tuple[float, float, float, int]:
+    """When the displacement gets to `wall`, moving up (sense 1) or down (-1); velocity, acceleration then, and steps.
 
-    The bracket holds one such passage; what is left to the wall is >= 0 at `lo` and <= 0 at `hi`.
+    The bracket holds one such passage; what is left to the wall is >= 0 at `lo` and <= 0 at `hi`. Halley's method,
+    safeguarded by bisection.
     """
     t = guess
+    near = NEAR / S.shape[0]
     for n in range(MOST_ROOT_STEPS):
-        d, u, _ = drift(t, u0, a0, S, C)
+        d, u, a, jerk, d4, d5, d6, d7 = drift(t, u0, a0, S, C)
         left = sense * (wall - d)
         if left > 0.0:
             lo = t
         else:
             hi = t
         closing = sense * u
-        new = t + left / closing if closing > 0.0 else lo - 1.0
-        newton = lo <= new <= hi
-        if not newton:
+        square, bend = closing * closing, 0.5 * left * sense * a
+        if abs(bend) > 0.5 * square:
+            bend = 0.0
+        new = t + left * closing / (square + bend) if closing > 0.0 and square > 0.0 else lo - 1.0
+        inside = lo <= new <= hi
+        if not inside:
             new = 0.5 * (lo + hi)
-        step = abs(new - t)
+        step, scale = new - t, min(t, 1.0)
+        if inside and abs(step) < near * scale:
+            for _ in range(3):
+                place, speed, rate = near_by(step, d, u, a, jerk, d4, d5, d6, d7)
+                if sense * speed <= 0.0:
+                    break
+                fix = (wall - place) / speed
+                step += fix
+                if fix * fix * (abs(rate) + abs(speed)) <= EXACT * scale * scale * abs(speed):
+                    return t + step, speed + fix * rate, rate + fix * jerk, n + 1
         t = new
-        if (newton and step <= CONVERGED * t) or hi - lo <= TIGHT * hi:
-            return t, n + 1
-    return t, MOST_ROOT_STEPS
+        if hi - lo <= TIGHT * hi:
+            break
+    _, u, a, _, _, _, _, _ = drift(t, u0, a0, S, C)
+    return t, u, a, n + 1
 
 
-@njit(cache=True, nogil=True)
-def turn(lo: float, u_lo: float, hi: float, u_hi: float, u0: float, a0: float, S: Array, C: Array) -> tuple[float, int]:
-    """When the relative velocity, of opposite signs at both ends of a bracket in which it is monotonic, is zero."""
+@njit(cache=True, nogil=True, inline="always")
+def turn(
+    lo: float, u_lo: float, hi: float, u_hi: float, u0: float, a0: float, S: Array, C: Array
+) -> tuple[float, float, int]:
+    """When the relative velocity, of opposite signs at both ends of a bracket in which it is monotonic, is zero.
+
+    Returns that time, the displacement then, and steps.
+    """
     sense = 1.0 if u_lo > 0.0 else -1.0
     t = lo + (hi - lo) * u_lo / (u_lo - u_hi)
+    near = NEAR / S.shape[0]
     for n in range(MOST_ROOT_STEPS):
-        _, u, a = drift(t, u0, a0, S, C)
+        d, u, a, jerk, d4, d5, d6, d7 = drift(t, u0, a0, S, C)
         if sense * u > 0.0:
             lo = t
         else:
             hi = t
-        new = t - u / a if sense * a < 0.0 else lo - 1.0
-        newton = lo <= new <= hi
-        if not newton:
+        square, bend = a * a, 0.5 * u * jerk
+        if abs(bend) > 0.5 * square:
+            bend = 0.0
+        new = t - u * a / (square - bend) if sense * a < 0.0 and square > 0.0 else lo - 1.0
+        inside = lo <= new <= hi
+        if not inside:
             new = 0.5 * (lo + hi)
-        step = abs(new - t)
+        step, scale = new - t, min(t, 1.0)
+        if inside and abs(step) < near * scale:
+            for _ in range(3):
+                place, speed, rate = near_by(step, d, u, a, jerk, d4, d5, d6, d7)
+                if sense * rate >= 0.0:
+                    break
+                fix = -speed / rate
+                step += fix
+                if fix * fix * (abs(jerk) + abs(rate)) <= EXACT * scale * scale * abs(rate):
+                    return t + step, place + fix * speed, n + 1
         t = new
-        if (newton and step <= CONVERGED * t) or hi - lo <= TIGHT * hi:
-            return t, n + 1
-    return t, MOST_ROOT_STEPS
+        if hi - lo <= TIGHT * hi:
+            break
+    d, _, _, _, _, _, _, _ = drift(t, u0, a0, S, C)
+    return t, d, n + 1

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rig.kernels.waveform import TWO_PI, Array, Ints, motion, motion_and_jerk
+from rig.kernels.waveform import TWO_PI, Array, Ints, jet, motion, near_by
 
 MAX_EVENTS = 512
 """Events of one row in one cycle; a row that needs more (elastic, frictionless, vanishing play) is refused."""
@@ -21,10 +21,20 @@ MAX_EVENTS = 512
 CHATTER = 1e-6
 """Rebounds slower than this many waveform velocities end at the wall: what is cut off is below 5e-13 of m V^2."""
 
-NEAR, STRAIGHT = 3e-6, 1e-6
-"""Step, rad, and change of slope over it as a share, behind which the next step would lie below round-off: Halley's
-error is the step times the square of that share. Both are asked for, because Halley's step vanishes with the slope,
-root or not; where the slope changes by more than itself, Newton's step is taken.
+NEAR = 0.01
+"""Step, rad, over which a Taylor series of position up to the seventh order is exact to round-off: d^7/7! < 1e-17.
+
+Divided by the number of harmonics. A root found to be so near is finished on the series, without another sine.
+"""
+
+EXACT = 1e-17
+"""Error, rad, that a step on the series may leave: Newton's, half the step's square times curvature over slope."""
+
+GRAZING = 1e-14
+"""A row that stops so little behind a wall stops at it: round-off, and below 1e-14 of m V^2.
+
+Where it comes back to the wall that it was thrown from, as in every orbit that wanders nowhere, it is a matter of
+round-off whether it touches, and the phase of a touch without speed is known to half the digits only.
 """
 
 TIGHT = 1e-15
@@ -81,23 +91,28 @@ class Cycle(NamedTuple):
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _carried(step: float, x: float, v: float, a: float, jerk: float) -> tuple[float, float]:
-    """Position and velocity of the box a phase `step` later, |step| <= `NEAR`: what is left out is below 1e-17."""
-    return x + step * (v + step * (0.5 * a + step * jerk / 6.0)), v + step * (a + 0.5 * step * jerk)
-
-
-@njit(cache=True, nogil=True, inline="always")
 def _stop(
-    lo: float, f_lo: float, hi: float, f_hi: float, start: float, w: float, band: float, s: float, P: Array, Q: Array
-) -> tuple[float, float, float, int]:  # fmt: skip
-    """Root of s z in a bracket where it falls from >= 0 to < 0: phase, the box's position and velocity, iterations.
+    lo: float, f_lo: float, a_lo: float, hi: float, f_hi: float, start: float, y: float, w: float, band: float,
+    s: float, wall: float, P: Array, Q: Array,
+) -> tuple[float, float, float, float, int]:  # fmt: skip
+    """Root of s z in a bracket where it falls from >= 0 to < 0: phase, the box's motion there, iterations.
 
-    Halley's method from the secant, safeguarded by bisection.
+    Halley's method from the parabola through both ends with the slope at `lo`, safeguarded by bisection; given up
+    where the row is found behind the wall.
     """
-    theta = lo + (hi - lo) * f_lo / (f_lo - f_hi)
+    span = hi - lo
+    fall = (band + s * a_lo) * span
+    bent = f_hi - f_lo + fall
+    root = math.sqrt(max(fall * fall - 4.0 * bent * f_lo, 0.0))
+    share = 2.0 * f_lo / (fall + root) if fall > 0.0 else 0.5 * (fall - root) / bent
+    theta = lo + min(max(share, 0.0), 1.0) * span
+    near = NEAR / P.shape[0]
     for n in range(1, 101):
-        x, v, a, jerk = motion_and_jerk(theta, P, Q)
-        f = s * (w - v) - band * (theta - start)
+        x, v, a, jerk, d4, d5, d6, d7 = jet(theta, P, Q)
+        t = theta - start
+        if s * (wall + x - y - w * t) + 0.5 * band * t * t < -GRAZING:
+            return theta, x, v, a, n
+        f = s * (w - v) - band * t
         if f >= 0.0:
             lo = theta
         else:
@@ -111,21 +126,28 @@ def _stop(
         if not inside:
             new = 0.5 * (lo + hi)
         step = new - theta
+        if inside and abs(step) < near:
+            for _ in range(3):
+                place, speed, rate = near_by(step, x, v, a, jerk, d4, d5, d6, d7)
+                steep = -band - s * rate
+                if steep >= 0.0:
+                    break
+                fix = (s * (w - speed) - band * (t + step)) / steep
+                step -= fix
+                if fix * fix * (abs(jerk) + abs(steep)) <= EXACT * abs(steep):
+                    return theta + step, place - fix * speed, speed - fix * rate, rate - fix * jerk, n
         theta = new
-        if inside and abs(step) < NEAR and abs(0.5 * f * jerk) <= STRAIGHT * square:
-            x, v = _carried(step, x, v, a, jerk)
-            return theta, x, v, n
         if hi - lo < TIGHT:
             break
-    x, v, _ = motion(theta, P, Q)
-    return theta, x, v, n
+    x, v, a = motion(theta, P, Q)
+    return theta, x, v, a, n
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _hit(
     lo: float, gap_lo: float, v_lo: float, hi: float, gap_hi: float, start: float, y: float, w: float, band: float,
     s: float, wall: float, P: Array, Q: Array,
-) -> tuple[float, float, float, int]:  # fmt: skip
+) -> tuple[float, float, float, float, int]:  # fmt: skip
     """Root of the distance to the wall in a bracket where it falls from >= 0 to <= 0; returns as `_stop` does.
 
     Halley's method from the parabola through both ends with the slope `v_lo` gives, safeguarded by bisection.
@@ -135,8 +157,9 @@ def _hit(
     bent = fall * fall + 4.0 * (gap_lo - gap_hi - fall) * gap_lo
     below = fall + math.sqrt(max(bent, 0.0))
     theta = min(lo + 2.0 * gap_lo * span / below, hi) if below > 0.0 else hi
+    near = NEAR / P.shape[0]
     for n in range(1, 101):
-        x, v, a, jerk = motion_and_jerk(theta, P, Q)
+        x, v, a, jerk, d4, d5, d6, d7 = jet(theta, P, Q)
         t = theta - start
         gap = s * (wall + x - y - w * t) + 0.5 * band * t * t
         closing = s * (w - v) - band * t
@@ -152,14 +175,22 @@ def _hit(
         if not inside:
             new = 0.5 * (lo + hi)
         step = new - theta
+        if inside and abs(step) < near:
+            for _ in range(3):
+                place, speed, rate = near_by(step, x, v, a, jerk, d4, d5, d6, d7)
+                u = t + step
+                steep = s * (w - speed) - band * u
+                if steep <= 0.0:
+                    break
+                fix = (s * (wall + place - y - w * u) + 0.5 * band * u * u) / steep
+                step += fix
+                if fix * fix * (abs(s * rate + band) + abs(steep)) <= EXACT * abs(steep):
+                    return theta + step, place + fix * speed, speed + fix * rate, rate + fix * jerk, n
         theta = new
-        if inside and abs(step) < NEAR and abs(0.5 * gap * (s * a + band)) <= STRAIGHT * square:
-            x, v = _carried(step, x, v, a, jerk)
-            return theta, x, v, n
         if hi - lo < TIGHT:
             break
-    x, v, _ = motion(theta, P, Q)
-    return theta, x, v, n
+    x, v, a = motion(theta, P, Q)
+    return theta, x, v, a, n
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -182,7 +213,7 @@ def cycle(
     `events` is a record of `EVENTS`. One function on purpose, and compiled into its callers: a call hands on six
     arrays, which costs as much as an event.
     """
-    theta, x, v, region, ahead, n = 0.0, table[0, 1], table[0, 2], int(table[0, 3]), 1, 0
+    theta, x, v, a, region, ahead, n = 0.0, table[0, 1], table[0, 2], table[0, 4], int(table[0, 3]), 1, 0
     work, friction, collision, roots = 0.0, 0.0, 0.0, 0
     start, y, w = theta, x + u, v + z
     start_x, start_v = x, v
@@ -190,7 +221,8 @@ def cycle(
         if mode == 0:
             mode = _thrown(region, u, play)
             while mode == 0 and theta < TWO_PI:
-                theta, x, v, region = table[ahead, 0], table[ahead, 1], table[ahead, 2], int(table[ahead, 3])
+                theta, x, v, a = table[ahead, 0], table[ahead, 1], table[ahead, 2], table[ahead, 4]
+                region = int(table[ahead, 3])
                 ahead += 1
                 mode = _thrown(region, u, play)
             work += 0.5 * (v * v - start_v * start_v)
@@ -203,7 +235,7 @@ def cycle(
             n += 1
         s = float(mode)
         wall = play if mode == 1 else 0.0
-        end, x_end, v_end = table[ahead, 0], table[ahead, 1], table[ahead, 2]
+        end, x_end, v_end, a_end = table[ahead, 0], table[ahead, 1], table[ahead, 2], table[ahead, 4]
         t = end - start
         gap_end = s * (wall + x_end - y - w * t) + 0.5 * band * t * t
         closing_end = s * (w - v_end) - band * t
@@ -212,17 +244,21 @@ def cycle(
         begin = theta - start
         if stops:
             closing = s * (w - v) - band * begin
-            end, x_end, v_end, steps = _stop(theta, max(closing, 0.0), end, closing_end, start, w, band, s, P, Q)
+            end, x_end, v_end, a_end, steps = _stop(
+                theta, max(closing, 0.0), a, end, closing_end, start, y, w, band, s, wall, P, Q
+            )
             roots += steps
             t = end - start
             gap_end = s * (wall + x_end - y - w * t) + 0.5 * band * t * t
-            hits = gap_end <= 0.0
+            hits = gap_end < -GRAZING
         if hits:
             gap = s * (wall + x - y - w * begin) + 0.5 * band * begin * begin
-            end, x_end, v_end, steps = _hit(theta, max(gap, 0.0), v, end, gap_end, start, y, w, band, s, wall, P, Q)
+            end, x_end, v_end, a_end, steps = _hit(
+                theta, max(gap, 0.0), v, end, gap_end, start, y, w, band, s, wall, P, Q
+            )
             roots += steps
             t = end - start
-        theta, x, v = end, x_end, v_end
+        theta, x, v, a = end, x_end, v_end, a_end
         if not hits and not stops and theta < TWO_PI:
             region = int(table[ahead, 3])
             ahead += 1

@@ -1,7 +1,7 @@
 """Many independent rows: their steady energy per cycle, and their momentum on a sampling grid.
 
-Compiled code counts the references of every array in a named tuple that it hands on, which costs more than replaying a
-cycle does: the loops over rows take their arrays one by one, and a row's memory is a record, which is not counted.
+The loops over rows take their arrays one by one and see them as `borrowed`; a row's memory is a record, whose
+references are not counted either.
 """
 
 import math
@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from rig.kernels.borrowed import borrowed
 from rig.kernels.row import Cycle, Rows, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
@@ -111,6 +112,7 @@ def _steady_energy(
     layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int,
     room: NDArray[np.void],
 ) -> tuple[Array, Array, Ints]:  # fmt: skip
+    tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     count = layer.shape[0]
     friction = np.zeros(count)
     collision = np.zeros(count)
@@ -179,6 +181,7 @@ def _follow(
     room: NDArray[np.void],
 ) -> tuple[Array, int]:  # fmt: skip
     """Ledger of the rows, and the period of all of them (`follow`); adds their velocities to `step` and `base`."""
+    tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     ledger = np.zeros((cycles, 4))
     events = room[0]
     start_v = motion(0.0, P, Q)[1]

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from rig.kernels.borrowed import borrowed
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import SAME
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
@@ -33,6 +34,7 @@ def _slip_moments(
     layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, nodes: Array,
     weights: Array, room: NDArray[np.void],
 ) -> tuple[float, float, float]:  # fmt: skip
+    tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     events = room[0]
     start_v = motion(0.0, P, Q)[1]
     second, third, peak = 0.0, 0.0, 0.0

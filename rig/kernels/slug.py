@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from rig.kernels.borrowed import borrowed
 from rig.kernels.slug_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
 from rig.kernels.waveform import TWO_PI, Array, Ints
 
@@ -48,7 +49,8 @@ def _run(
     mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, cycles: int
 ) -> tuple[Array, Array, Ints]:
     state, energy, count = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
-    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     v = table[0, 2]
     for k in range(cycles):
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
@@ -116,7 +118,8 @@ def _steady(
     mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, settle: int,
     average: int,
 ) -> tuple[float, float, int, bool, bool, float]:  # fmt: skip
-    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     history = np.zeros((LOOK_BACK, 7))
     friction, collision, lid, moves = 0.0, 0.0, False, False
     batches = np.zeros(BATCHES)
@@ -166,7 +169,8 @@ def _follow(
     world: World, table: Array, P: Array, Q: Array, events: Events, phase: Array, modes: Ints, w: Array,
 ) -> tuple[Array, Array, Array, Ints]:  # fmt: skip
     state, energy, counts = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
-    S, C = np.empty(P.shape[0]), np.empty(P.shape[0])
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     momentum = np.empty(velocity.shape[0])
     v = table[0, 2]
     origin = math.ceil(first_cycle * per_cycle)

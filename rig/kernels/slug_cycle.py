@@ -23,6 +23,9 @@ MAX_EVENTS = 65536
 NEGLIGIBLE = 1e-13
 """Share of the energy of a series of bounces that its end may leave out."""
 
+GRAZING = 1e-14
+"""A slug that turns back so little behind a wall, of the way it came, turns back in front of it: round-off."""
+
 STEADY = 1e-3
 """Largest relative change of the push on a wall while a series of bounces dies out."""
 
@@ -131,18 +134,19 @@ def _dies_out(back: float, largest: float, push: float, world: World) -> bool:
     return share < STEADY and (share if world.band == 0.0 else 1.0) * back * back < least
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _next(
     t1: float, d1: float, u1: float, t2: float, d2: float, u2: float, rises: bool, low: float, high: float,
     mode: int, rough: bool, u0: float, a0: float, S: Array, C: Array,
-) -> tuple[int, float, int]:  # fmt: skip
-    """First event of the piece (t1, t2] of a stretch, its time, and the steps of root searches.
+) -> tuple[int, float, float, float, float, int]:  # fmt: skip
+    """First event of the piece (t1, t2] of a stretch: kind, time, displacement, velocity and acceleration against the
+    box, and the steps of root searches.
 
     The relative velocity rises (or falls) throughout the piece. low, high : displacements at which the walls stand
     """
     sense = 1.0 if rises else -1.0
     if rough and sense * mode < 0.0 and sense * u1 >= 0.0:
-        return STOP, t1, 0  # thrown for less than round-off: friction would drive it the other way from here on
+        return STOP, t1, d1, 0.0, 0.0, 0  # thrown for less than round-off: friction would drive it the other way
     before, ahead = (low, high) if rises else (high, low)
     roots = 0
     if sense * u1 < 0.0:
@@ -150,22 +154,22 @@ def _next(
         if sense * u2 > 0.0:
             hits = False
             if rough or sense * (d1 + u1 * (t2 - t1) - before) <= 0.0:
-                end, roots = turn(t1, u1, t2, u2, u0, a0, S, C)
-                hits = sense * (drift(end, u0, a0, S, C)[0] - before) <= 0.0
+                end, d, roots = turn(t1, u1, t2, u2, u0, a0, S, C)
+                hits = sense * (d - before) < -GRAZING * max(abs(d), 1.0)
                 if rough and not hits:
-                    return STOP, end, roots
+                    return STOP, end, d, 0.0, 0.0, roots
         if hits:
-            t, steps = reach(t1, end, end, before, -sense, u0, a0, S, C)
-            return LOW if rises else HIGH, t, roots + steps
+            t, u, a, steps = reach(t1, end, end, before, -sense, u0, a0, S, C)
+            return LOW if rises else HIGH, t, before, u, a, roots + steps
     if sense * u2 > 0.0 and sense * (d2 - ahead) >= 0.0:
         guess = t2
         if u0 == 0.0:
             guess = t2 * (ahead / d2) ** (1.0 / 3.0) if t1 == 0.0 else min(2.0 * t1, t2)
         elif t1 == 0.0 and ahead == 0.0 and u0 * a0 < 0.0:
             guess = min(-2.0 * u0 / a0, t2)
-        t, steps = reach(t1, t2, guess, ahead, sense, u0, a0, S, C)
-        return HIGH if rises else LOW, t, roots + steps
-    return PASS, t2, roots
+        t, u, a, steps = reach(t1, t2, guess, ahead, sense, u0, a0, S, C)
+        return HIGH if rises else LOW, t, ahead, u, a, roots + steps
+    return PASS, t2, d2, u2, 0.0, roots
 
 
 @njit(cache=True, nogil=True)
@@ -209,29 +213,25 @@ def cycle(
         t1, d1, u1 = 0.0, 0.0, u
         while True:
             t2 = table[line, 0] - start
-            d2, u2, _ = drift(t2, u, a0, S, C)
+            d2, u2, _, _, _, _, _, _ = drift(t2, u, a0, S, C)
             rises = region == -1 or (region == 0 and mode == -1)
-            kind, t, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C)
+            kind, t, d, slip, rate, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C)
             roots += steps
             if kind != PASS or line == last:
                 break
             t1, d1, u1, region = t2, d2, u2, int(table[line, 3])
             line += 1
-        d, slip, _ = (d2, u2, 0.0) if kind == PASS else drift(t, u, a0, S, C)
-        if kind == LOW:
-            d = low
-        elif kind == HIGH:
-            d = top
         if band > 0.0:
             friction += band * abs(d)
         if kind == PASS:
-            q, u = min(max(q + d, world.lower), world.upper), u2
+            q, u = min(max(q + d, world.lower), world.upper), slip
             work -= mode * band * (table[last, 1] - start_x)
             return Cycle(mode, q, u, n, roots, high, work, friction, collision)
         theta = min(start + t, table[line, 0])
-        x, v, a = at(theta, P, Q, S, C)
-        work -= mode * band * (x - start_x)
-        q, u = q + d, 0.0
+        pull = weight + mode * band
+        x, v = x + (v + u - 0.5 * pull * t) * t - d, v + u - pull * t - slip
+        q, u, slid = q + d, 0.0, mode * band
+        closing, back, sense = 0.0, 0.0, 0.0
         if kind != STOP:
             sense = 1.0 if kind == HIGH else -1.0
             q = world.upper if kind == HIGH else world.lower
@@ -239,14 +239,16 @@ def cycle(
             closing = max(sense * slip, 0.0)
             back = world.restitution * closing
             largest = max(largest, closing)
-            if _dies_out(back, largest, -sense * (a + weight) - band, world):
+            if _dies_out(back, largest, sense * (rate + slid) - band, world):
                 back = 0.0
             collision += 0.5 * (closing * closing - back * back)
-            work -= sense * (closing + back) * v
             u = -sense * back
         mode = _thrown(region, q, world) if u == 0.0 else -1 if band > 0.0 and u < 0.0 else 1
+        if mode != 0:
+            x, v, a = at(theta, P, Q, S, C)
+            a0 = -a - weight - mode * band
+        work -= slid * (x - start_x) + sense * (closing + back) * v
         if n >= MAX_EVENTS:
             return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
         event_phase[n], event_mode[n], event_w[n] = theta, mode, v + u
         n += 1
-        a0 = -a - weight - mode * band

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from rig.kernels.borrowed import borrowed
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import HISTORY, find_recurrence
 from rig.kernels.waveform import Array, Ints
@@ -44,6 +45,7 @@ def _transient(
     total, loose = np.zeros(cycles), np.zeros(cycles)
     work, lost = np.empty(cycles), np.empty(cycles)
     history = np.empty((HISTORY, 3))
+    tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     events = room[0]
     simulated = 0
     for r in range(count):

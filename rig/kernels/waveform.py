@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 TWO_PI = 2.0 * math.pi
 
+R6, R24, R120, R720 = 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -23,7 +25,7 @@ class Crossings(NamedTuple):
 
     counts : number of crossings in [0, 2 pi), shape (n,)
     tables : lines of phase, box position, box velocity, and the region behind the phase (-1 below the band, 0 inside,
-        +1 above), shape (n, m, 4); the first line is phase 0, then the crossings ascend, then 2 pi to the end
+        +1 above) and the acceleration there, shape (n, m, 5); the first line is phase 0, then the crossings ascend, then 2 pi to the end
     """
 
     counts: Ints
@@ -50,25 +52,44 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def motion_and_jerk(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float]:
-    """Position, velocity, acceleration and its derivative by the phase."""
+def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, float, float, float, float]:
+    """Position, velocity, acceleration of the waveform and the derivatives up to that of order 7, by the phase."""
     s1 = math.sin(theta)
     c1 = math.cos(theta)
     x = P[0] * s1 + Q[0] * c1
     v = P[0] * c1 - Q[0] * s1
-    a = -x
-    jerk = -v
+    a, jerk, d4, d5, d6, d7 = -x, -v, x, v, -x, -v
     s, c = s1, c1
     for k in range(1, P.shape[0]):
         s, c = s * c1 + c * s1, c * c1 - s * s1
         h = k + 1.0
         wave = P[k] * s + Q[k] * c
-        turn = P[k] * c - Q[k] * s
-        x += wave / (h * h)
-        v += turn / h
+        turn = h * (P[k] * c - Q[k] * s)
+        square = h * h
+        x += wave / square
+        v += turn / square
         a -= wave
-        jerk -= h * turn
-    return x, v, a, jerk
+        jerk -= turn
+        d4 += square * wave
+        d5 += square * turn
+        d6 -= square * square * wave
+        d7 -= square * square * turn
+    return x, v, a, jerk, d4, d5, d6, d7
+
+
+@njit(cache=True, nogil=True, inline="always")
+def near_by(
+    d: float, x: float, v: float, a: float, jerk: float, d4: float, d5: float, d6: float, d7: float
+) -> tuple[float, float, float]:
+    """Position, velocity and acceleration a phase d away from a jet, by Taylor's series, summed in pairs."""
+    square = d * d
+    return (
+        (x + d * v)
+        + square * ((0.5 * a + d * (R6 * jerk)) + square * ((R24 * d4 + d * (R120 * d5)) + square * (R720 * d6))),
+        (v + d * a)
+        + square * ((0.5 * jerk + d * (R6 * d4)) + square * ((R24 * d5 + d * (R120 * d6)) + square * (R720 * d7))),
+        (a + d * jerk) + square * ((0.5 * d4 + d * (R6 * d5)) + square * (R24 * d6 + d * (R120 * d7))),
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -133,7 +154,7 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     """Where the acceleration crosses each threshold, up or down; `turning` are its `extrema`."""
     n = thresholds.shape[0]
     counts = np.zeros(n, np.int64)
-    tables = np.empty((n, 2 * turning.shape[0] + 2, 4))
+    tables = np.empty((n, 2 * turning.shape[0] + 2, 5))
     bounds = np.append(turning, turning[:1] + TWO_PI)
     values = np.empty(bounds.shape[0])
     for k in range(turning.shape[0]):
@@ -142,7 +163,7 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     x0, v0, a0 = motion(0.0, P, Q)
     for i in range(n):
         band, table = thresholds[i], tables[i]
-        table[:, 0], table[:, 1], table[:, 2], table[:, 3] = TWO_PI, x0, v0, 0.0
+        table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4] = TWO_PI, x0, v0, 0.0, a0
         table[0, 0], table[0, 3] = 0.0, 1.0 if a0 > band else (-1.0 if a0 < -band else 0.0)
         phases, behind = _crossings_of(band, bounds, values, P, Q)
         # two crossings may fall on one phase, where the acceleration just touches a threshold: the order of the pieces
@@ -155,7 +176,7 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
             if phase > 0.0:
                 line += 1
                 table[line, 0] = phase
-                table[line, 1], table[line, 2], _ = motion(phase, P, Q)
+                table[line, 1], table[line, 2], table[line, 4] = motion(phase, P, Q)
             table[line, 3] = behind[k]
         counts[i] = phases.shape[0]
     return Crossings(counts, tables)
