@@ -8,20 +8,9 @@ import math
 
 from numba import njit
 
-from benchmarks.methods.method import Method, Work
-from benchmarks.sliders import Slider
+from benchmarks.methods.first_order import first_order
 
 TWO_PI = 2.0 * math.pi
-
-
-def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
-    """`setting` steps per cycle."""
-    return Work(
-        *_run(
-            slider.band, slider.play, slider.restitution, slider.gravity, slider.start[1], slider.start[2],
-            int(setting), settle, average,
-        )
-    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
@@ -57,7 +46,4 @@ def _run(
     return energy, events, taken, taken, 0
 
 
-MOREAU = Method(
-    "Moreau time stepping", "compiled", "steps per cycle",
-    (100, 400, 1600, 6400, 25600, 102400, 409600), (100, 800, 6400, 51200), solve, order=1,
-)  # fmt: skip
+MOREAU = first_order("Moreau time stepping", _run)

@@ -193,3 +193,15 @@ def test_averaging_rows_without_a_period(diameter: float, fill: float, rows: int
     )
     # what may be left: rows still wandering after 512 cycles, 1e-3 of W at most here, some 10 % off each
     assert short == pytest.approx(long, rel=2e-4)
+
+
+def test_a_row_that_just_comes_back_to_its_wall_stops_there() -> None:
+    """From rest at the wall, out and back by the same way, as the two halves of the cycle are mirrored: whether it
+    touches is round-off. It stops, and the account closes to some units in the last place."""
+    wave = (np.array([1.0]), np.array([0.34959729]))
+    bands = np.array([0.8690617369639267])
+    table = crossings(bands, *wave, extrema(*wave)).tables[0]
+    after = cycle(0, 0.0, 0.0, bands[0], 230.67906181552, 0.888568727040656, table, *wave, no_events()[0])
+    assert (after.mode, after.z, after.collision) == (0, 0.0, 0.0)
+    assert abs(after.u) <= 1e-14
+    assert abs(after.work - after.friction) <= 1e-14
