@@ -37,7 +37,7 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
     return Work(*found)
 
 
-@njit(nogil=True)
+@njit(cache=True, nogil=True)
 def _row(
     band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
     room: NDArray[np.void], settle: int, average: int,
@@ -57,13 +57,13 @@ def _row(
     return energy, events, roots, 0, roots
 
 
-@njit(nogil=True)
+@njit(cache=True, nogil=True)
 def _slug(
     mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int]:  # fmt: skip
-    Si, Ci = np.empty(P.shape[0]), np.empty(P.shape[0])
-    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(Si), borrowed(Ci)
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))
     energy, events, roots = 0.0, 0, 0
     for k in range(settle + average):

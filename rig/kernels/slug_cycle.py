@@ -215,7 +215,9 @@ def cycle(
             t2 = table[line, 0] - start
             d2, u2, _, _, _, _, _, _ = drift(t2, u, a0, S, C)
             rises = region == -1 or (region == 0 and mode == -1)
-            kind, t, d, slip, rate, steps = _next(t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C)
+            kind, t, d, slip, rate, steps = _next(
+                t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C
+            )
             roots += steps
             if kind != PASS or line == last:
                 break

@@ -24,8 +24,8 @@ class Crossings(NamedTuple):
     """Where an acceleration leaves or enters the bands [-threshold, threshold] of n thresholds in one cycle.
 
     counts : number of crossings in [0, 2 pi), shape (n,)
-    tables : lines of phase, box position, box velocity, and the region behind the phase (-1 below the band, 0 inside,
-        +1 above) and the acceleration there, shape (n, m, 5); the first line is phase 0, then the crossings ascend, then 2 pi to the end
+    tables : lines of phase, box position, box velocity, region behind the phase (-1 below the band, 0 inside, +1
+        above), and acceleration, shape (n, m, 5); the first is phase 0, then the crossings ascend, then 2 pi to the end
     """
 
     counts: Ints
