@@ -29,7 +29,9 @@ CHUNK = np.uint64(64)
 """Rows that are counted together before one of them is looked for (unsigned: that compiles to several at a time)."""
 
 NEAR = 1e-4
-"""Share of its play within which a row that has leaned on a wall still does: impacts elsewhere shake it by less."""
+NEARBY = 0.01
+"""Share of its play, of 10 mm at most, within which a row that has leaned on a wall still does: impacts elsewhere shake
+it by less."""
 
 GROUND = 1e7
 """Mass of a guide at rest over that of the box: creep while it holds is below 1e-7 of what friction allows."""
@@ -246,15 +248,17 @@ def carry(
     if settle:
         _settle(a, start, time, p, band, grip, w, slip)
     if leaning:
-        leant += _lean(time, pull * time, p, slip, lo, hi)
+        kept = _lean(time, pull * time, p, slip, lo, hi)
+        rubbed, leant = rubbed + kept, leant + kept
     for i in range(rows):
         u[i] -= slip[i]
         w[i] += (p[i] * per_time + pull) * part
     if leaning:
         for i in range(rows):
             least, most, rub, place, room = lo[i], hi[i], band[i], u[i], play[i]
-            hi[i] = rub if place > NEAR * room else most
-            lo[i] = -rub if room - place > NEAR * room else least
+            near = NEAR * min(room, NEARBY)
+            hi[i] = rub if place > near else most
+            lo[i] = -rub if room - place > near else least
     return on.row_mass * rubbed * per_time, on.row_mass * leant * per_time
 
 

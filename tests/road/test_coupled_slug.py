@@ -70,3 +70,19 @@ def test_a_slug_that_never_leaves_the_floor_of_a_light_box_loses_nothing() -> No
     # against the energy that goes back and forth in the slug
     moved = stand.bed_mass * level**2 / (2 * np.pi * 20.0) ** 2
     assert np.abs(ledger[:, COLUMNS.index("W_c")]).max() < 1e-5 * moved
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_a_box_without_a_lid_is_one_whose_lid_is_out_of_reach(restitution: float) -> None:
+    """A slug on the floor is held there within a share of its room: without a lid that was 0.1 m, and no flight so low
+    ever landed."""
+    taken = []
+    for gap in (0.2, "none"):
+        made = campaign("scene.axis=vertical", f"scene.slug={{restitution: {restitution}, gap: {gap}}}", "vary={}")
+        (condition,) = made.conditions
+        filling = nominal(condition.scene, made.rig)
+        stand = CoupledStand(condition.scene, made.rig, condition.drive, filling, 4000 * 20.0)
+        stand.advance(Command((12.0 + 0j,), 20.0, 20))
+        taken.append(stand.drain_ledger()[:, COLUMNS.index("W_c")])
+    assert taken[0][-1] > 1e-4
+    np.testing.assert_allclose(taken[1], taken[0], rtol=1e-6, atol=1e-12)
