@@ -275,7 +275,7 @@ def neighbourhood() -> Outcome:
             at_most("most negative loss, m V²", negative, 0.0),
             at_most("energy that does not close in a cycle, as a share of the largest", closure, 1e-9),
             no_more("events in a cycle", most, MAX_EVENTS),
-            no_more("slugs refused for their events, of 500", refused, 5.0),
+            no_more("slugs refused for their events, of 500", refused, 0.0),
         )
     )
 

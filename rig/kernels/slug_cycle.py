@@ -9,6 +9,7 @@ changes its sign, the velocity is monotonic, so that no passage through a wall c
 Bouncing that dies out on a wall (Zeno) is ended once what that leaves out is proven negligible, see `_dies_out`.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -120,17 +121,20 @@ def _thrown(region: int, q: float, world: World) -> int:
 def _dies_out(back: float, largest: float, push: float, world: World) -> bool:
     """Whether a slug that leaves a wall at speed `back` under the push g may as well stay there.
 
-    With constant g it would bounce for T = 2 back/(g (1 - e)) and lose back^2/2, which is what staying counts. The
+    With constant g it would bounce for T = 2 back/(g (1 - r)) and lose back^2/2, which is what staying counts; from
+    hit to hit its speed falls by r = e sqrt(g/(g + 2 band)), as friction brakes it on the way out and back. The
     push changes by J T at most, J the jerk: as a share, by s = J T/g. For s << 1 it comes to rest before it is thrown
     again, so that its later motion is the same, and its loss is back^2/2 + integral g' q dt, with q <= back^2/(2 g):
-    off by at most s back^2/2 (1 + O(s)). `largest` is the fastest hit of the series, which lost (1 - e^2) largest^2/2.
+    off by at most s back^2/2 (1 + O(s)). `largest` is the fastest hit of the series, which lost (1 - r^2) largest^2/2.
     On a rough floor friction takes its part of back^2/2, so that this has to be negligible as a whole.
     """
-    e = world.restitution
-    if not (push > 0.0 and e < 1.0):
+    if push <= 0.0:
         return False
-    share = 2.0 * world.jerk * back / (push * push * (1.0 - e))
-    least = NEGLIGIBLE * (1.0 - e * e) * largest * largest
+    ratio = world.restitution * math.sqrt(push / (push + 2.0 * world.band))
+    if ratio >= 1.0:
+        return False
+    share = 2.0 * world.jerk * back / (push * push * (1.0 - ratio))
+    least = NEGLIGIBLE * (1.0 - ratio * ratio) * largest * largest
     return share < STEADY and (share if world.band == 0.0 else 1.0) * back * back < least
 
 
