@@ -9,6 +9,7 @@ is a check of the arithmetic and no independent evidence.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from analysis.correction import advanced, without_pole
 from analysis.cycles import on_grid, whole_cycles
 from analysis.passes import CycleSums, cycle_sums
 
-__all__ = ["Energy", "combined", "dissipated_energy", "harmonics", "window_energy"]
+__all__ = ["Energy", "Total", "dissipated_energy", "harmonics", "window_energy"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -122,13 +123,13 @@ def dissipated_energy(
         raise ValueError("force and acceleration must be finite")
     window = whole_cycles(force.size, rate, frequency, filter_delay=filter_delay, settle=settle, cycles=cycles)
     both = np.stack([force, acceleration])
-    parts = []
+    total = Total()
     for part in window.segments():
         f, a = on_grid(both, 0, part)
-        parts.append(window_energy(
+        total.add(window_energy(
             f, a, part.cycles, frequency, time_constants=time_constants, delay=delay, box_mass=box_mass
         ))  # fmt: skip
-    return combined(parts)
+    return total.energy()
 
 
 def window_energy(
@@ -158,23 +159,36 @@ def window_energy(
     )  # fmt: skip
 
 
-def combined(parts: Sequence[Energy]) -> Energy:
-    """Energies of consecutive windows as one: means weighted with their cycles (their phasors are coherent)."""
-    if len(parts) == 1:
-        return parts[0]
-    share = np.array([part.cycles for part in parts], dtype=float)
-    share /= share.sum()
+class Total:
+    """Energies of consecutive windows as one, added up as they come: means weighted with their cycles (the phasors are
+    coherent)."""
 
-    def mean(values: Sequence[float]) -> float:
-        return float((share * values).sum())
+    def __init__(self) -> None:
+        self._first: Energy | None = None
+        self._cycles = 0
+        self._W_cycles: list[Array] = []
+        self._sums: tuple[Any, ...] = ()
 
-    return Energy(
-        frequency=parts[0].frequency, cycles=sum(part.cycles for part in parts), W=mean([part.W for part in parts]),
-        W_cycles=np.concatenate([part.W_cycles for part in parts]), W_exc=mean([part.W_exc for part in parts]),
-        W_kin=mean([part.W_kin for part in parts]), W_phasor=mean([part.W_phasor for part in parts]),
-        force=np.einsum("i,ij->j", share, np.array([part.force for part in parts])),
-        acceleration=np.einsum("i,ij->j", share, np.array([part.acceleration for part in parts])),
-    )  # fmt: skip
+    def add(self, part: Energy) -> None:
+        """The next window."""
+        n = part.cycles
+        own = (n * part.W, n * part.W_exc, n * part.W_kin, n * part.W_phasor, n * part.force, n * part.acceleration)
+        self._sums = tuple(a + b for a, b in zip(self._sums, own, strict=True)) if self._first else own
+        self._first = self._first or part
+        self._cycles += n
+        self._W_cycles.append(part.W_cycles)
+
+    def energy(self) -> Energy:
+        """Of all windows so far, one at least."""
+        if self._first is None:
+            raise ValueError("no window")
+        if len(self._W_cycles) == 1:
+            return self._first
+        W, W_exc, W_kin, W_phasor, force, acceleration = (each / self._cycles for each in self._sums)
+        return Energy(
+            self._first.frequency, self._cycles, W, np.concatenate(self._W_cycles), W_exc, W_kin, W_phasor, force,
+            acceleration,
+        )  # fmt: skip
 
 
 def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:

@@ -10,7 +10,7 @@ from analysis.coil import Coil, coil_of
 from analysis.comparison import agreement
 from analysis.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.documents import checked
-from analysis.energy import Energy, combined, harmonics, window_energy
+from analysis.energy import Energy, Total, harmonics, window_energy
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
@@ -29,6 +29,8 @@ SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
 TRIGGER = "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
+CLOSURES = ("closure", "closure_exciter")  # ledger columns whose largest magnitude counts
+PIECE = 4096  # cycles of a ledger that are looked at together
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
@@ -56,7 +58,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         raise AnalysisError(f"{run.name}: {error}") from error
     delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
     stretches = _stretches(record, run, window, tolerate_gaps)
-    parts, scrutiny, bits = [], Scrutiny((force, acceleration), setting), run.flags & SETTLED
+    total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
     for part in (part for stretch in stretches for part in stretch.segments()):
         first, last = part.sample_range()
         signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
@@ -71,8 +73,8 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
             time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
             box_mass=setting.box_mass,
         )  # fmt: skip
-        parts.append(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
-    energy = combined(parts)
+        total.add(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
+    energy = total.energy()
     samples = round(energy.cycles * window.grid.period)
     wanted = int(setting.record_cycles)
     short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
@@ -198,16 +200,20 @@ def _ledger(
     truth = record.truth
     if truth is None:
         return None
-    columns, rows = truth.ledger(run.name)
-    first = round(setting.settle_cycles)
-    used = np.asarray(rows)[first : first + window.cycles]
-    if len(used) < window.cycles:
-        return None
-    if stretches != (window,):
-        begins = [(round((s.start - window.start) / window.grid.period), s.cycles) for s in stretches]
-        used = np.concatenate([used[begin : begin + cycles] for begin, cycles in begins])
-    means = dict(zip(columns, (float(value) for value in used.mean(axis=0)), strict=True))
-    for name in ("closure", "closure_exciter"):
-        if name in means:
-            means[name] = float(np.abs(used[:, columns.index(name)]).max())
-    return means
+    first, period = round(setting.settle_cycles), window.grid.period
+    read = [(round((part.start - window.start) / period), part.cycles) for part in stretches]
+    closure: dict[str, float] = {}
+    count, total = 0, np.zeros(1)
+    for begin, cycles in read:
+        for place in range(begin, begin + cycles, PIECE):
+            end = min(place + PIECE, begin + cycles)
+            columns, rows = truth.ledger(run.name, first + place, first + end)
+            if len(rows) < end - place:
+                return None
+            total = total + rows.sum(axis=0)
+            count += len(rows)
+            for name in CLOSURES:
+                if name in columns:
+                    own = float(np.abs(rows[:, columns.index(name)]).max())
+                    closure[name] = max(own, closure.get(name, 0.0))
+    return dict(zip(columns, (total / count).tolist(), strict=True)) | closure

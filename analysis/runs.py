@@ -110,7 +110,9 @@ class Signal(Protocol):
 class Truth(Protocol):
     """What only a simulated session knows."""
 
-    def ledger(self, run: str) -> tuple[tuple[str, ...], NDArray[np.float64]]: ...
+    def ledger(
+        self, run: str, start: int = 0, stop: int | None = None
+    ) -> tuple[tuple[str, ...], NDArray[np.float64]]: ...
     def document(self, name: str) -> Any: ...
 
 

@@ -80,6 +80,11 @@ def checked(rows: Sequence[Row]) -> list[Row]:
         for row in rows
         if row["kind"] == "part" and row.get("speed")
     ]
+    weighed = [row for row in rows if row["kind"] == "memory"]
+    if weighed:
+        short, long = weighed[0], weighed[-1]
+        grown = max(long[who] - short[who] for who in ("writer_MB", "worker_MB"))
+        found.append(_check(f"memory, {long['method']}: MB more than for {short['method']}", grown, 5.0))
     tier = [row for row in rows if row["kind"] == "layers" and row["method"] == "closed tier, 8 rows"]
     if tier:
         found.append(

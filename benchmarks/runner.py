@@ -50,7 +50,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         for axis in scaling.AXES
     ]
     if not quick:
-        found.append(Job("memory", 15.0, records.memory))
+        found.append(Job("memory", 40.0, records.memory))
     return tuple(found)
 
 

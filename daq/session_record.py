@@ -279,10 +279,16 @@ class Record:
             why = error.args[0] if isinstance(error, KeyError) and error.args else error
             raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
 
-    def ledger_rows(self, run: str) -> npt.NDArray[np.float64]:
-        """The ledger of a run, (cycles, columns)."""
-        shape = (self._plans[run].ledger_cycles or 0, len(self.ledger_columns))
-        rows = self._rows(f"{run}/truth/ledger", "<f8", shape)
+    def ledger_cycles(self, run: str) -> int:
+        """Cycles that a run's ledger has room for."""
+        return self._plans[run].ledger_cycles or 0
+
+    def ledger_rows(self, run: str, start: int = 0, stop: int | None = None) -> npt.NDArray[np.float64]:
+        """Rows start..stop of the ledger of a run, as far as it goes, (cycles, columns)."""
+        cycles = self.ledger_cycles(run)
+        last = cycles if stop is None else min(stop, cycles)
+        path, shape = f"{run}/truth/ledger", (cycles, len(self.ledger_columns))
+        rows = self._rows(path, "<f8", shape, min(start, last), last)
         if not (np.abs(rows) <= LARGEST).all():
             raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds absurd numbers")
         return rows
@@ -360,9 +366,12 @@ class Truth:
         """Names of the truth documents."""
         return self._record.texts("session/truth")
 
-    def ledger(self, run: str) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
-        """Column names and the ledger, (cycles, columns), J per cycle counted from drive time 0."""
-        return self._record.ledger_columns, self._record.ledger_rows(self._record.run(run).name)
+    def ledger(
+        self, run: str, start: int = 0, stop: int | None = None
+    ) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
+        """Column names and rows start..stop of the ledger, as far as it goes, (cycles, columns), J per cycle counted
+        from drive time 0."""
+        return self._record.ledger_columns, self._record.ledger_rows(self._record.run(run).name, start, stop)
 
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""

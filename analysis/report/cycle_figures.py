@@ -63,10 +63,12 @@ def repeats_plot(report: Row) -> Plot | None:
         return None
     runs = [(run["run"], [1e3 * W for W in run["W_cycles"]]) for run in found["runs"]]
     everything = [W for _, values in runs for W in values]
-    longest = max(len(values) for _, values in runs)
-    panel = Panel(linear((1, longest)), linear(everything), "cycle", "W, mJ", f"{found['condition']}: every cycle")
+    each = found.get("cycles_each", 1)
+    longest = max(len(values) for _, values in runs) * each
+    what = "every cycle" if each == 1 else f"means of {each} cycles"
+    panel = Panel(linear((1, longest)), linear(everything), "cycle", "W, mJ", f"{found['condition']}: {what}")
     for place, (_, values) in enumerate(runs[: len(SERIES)]):
-        places = [float(cycle) for cycle in range(1, len(values) + 1)]
+        places = [number * each + (each + 1) / 2 for number in range(len(values))]
         panel.line(places, values, SERIES[place], 0.9)
         panel.dots(places, values, SERIES[place], MARKERS[place % len(MARKERS)], 2.2, hollow=False)
     names = [(MARKERS[n % len(MARKERS)], SERIES[n], name) for n, (name, _) in enumerate(runs[: len(SERIES)])]

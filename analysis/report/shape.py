@@ -116,7 +116,8 @@ WAVEFORMS = Keys(
         {"condition": Text(), "run": Text(), "frequency": VALUE, "force": PHASORS, "acceleration": PHASORS},
         {"thd_force": KNOWN, "thd_acceleration": KNOWN},
         {"runs": List(Keys({"run": Text(), "W_cycles": List(VALUE, least=1)}))},
-    )
+    ),
+    {"cycles_each": Number(1, whole=True)},
 )
 
 REPORT = Keys(

@@ -5,13 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import RunEnergy, read_session, write_report
 from daq.block import Block
 from daq.clock import Pacer
 from daq.replay import Replayed
-from daq.session import Record, Recorder, RunInfo, open_session
+from daq.session import Record, Recorder, RunInfo, Truth, open_session
 from daq.session_copy import plan_of
 from rig.campaign.feeding import Fed
 from rig.campaign.recording import Analysis, Part, Watch, record_parts
@@ -61,7 +60,7 @@ def analysed(
         ended: list[Part] = []
 
         def blocks(info: RunInfo = info, ended: list[Part] = ended) -> Iterator[Block]:
-            for part in recorded_run(record, info, speed, NO_LEDGER):
+            for part in recorded_run(record, info, speed, None):
                 if watcher is not None:
                     watcher.hear(part.run, part.block)
                 if part.scalars is not None:
@@ -79,23 +78,21 @@ def analysed(
 
 def recorded(record: Record, speed: float | None) -> Iterator[Part]:
     """The parts of a record, runs in their order of execution, paced; of an incomplete run, what there is."""
+    truth = record.truth if record.ledger_columns else None
     for info in sorted(record.runs, key=lambda run: run.order):
-        yield from recorded_run(record, info, speed, _ledger(record, info.name))
+        yield from recorded_run(record, info, speed, truth)
 
 
-def recorded_run(record: Record, info: RunInfo, speed: float | None, ledger: NDArray[np.float64]) -> Iterator[Part]:
-    """The parts of one run; the first brings the ledger."""
-    acquisition, pacer, rows = Replayed(record, info.name), Pacer(info.rate, speed), ledger
-    for samples in acquisition.sizes:
+def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: Truth | None) -> Iterator[Part]:
+    """The parts of one run, each with its share of the ledger; without ledger where no truth is given."""
+    acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
+    count, cycles = len(acquisition.sizes), record.ledger_cycles(info.name)
+    for number, samples in enumerate(acquisition.sizes):
         block = acquisition.read(samples)
         pacer.wait(block.start + block.count)
         last = info.complete and block.start + block.count == info.samples
+        rows = NO_LEDGER
+        if truth is not None:
+            rows = truth.ledger(info.name, number * cycles // count, (number + 1) * cycles // count)[1]
         part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
         yield part.ended(pacer.punctuality)
-        rows = rows[:0]
-
-
-def _ledger(record: Record, run: str) -> NDArray[np.float64]:
-    if record.truth is None or not record.ledger_columns:
-        return NO_LEDGER
-    return record.truth.ledger(run)[1]

@@ -71,8 +71,9 @@ class KnownTruth:
     ledgers: dict[str, tuple[tuple[str, ...], np.ndarray]]
     documents: dict[str, Any] = field(default_factory=dict)
 
-    def ledger(self, run: str) -> tuple[tuple[str, ...], np.ndarray]:
-        return self.ledgers[run]
+    def ledger(self, run: str, start: int = 0, stop: int | None = None) -> tuple[tuple[str, ...], np.ndarray]:
+        columns, rows = self.ledgers[run]
+        return columns, rows[start:stop]
 
     def document(self, name: str) -> Any:
         return self.documents.get(name)

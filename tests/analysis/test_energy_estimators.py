@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis import dissipated_energy
-from analysis.energy import combined, window_energy
+from analysis.energy import Total, window_energy
 
 # The velocity rule is wrong by 11/720 (w dt)^4 = 3.5e-10 at 512 samples per cycle: the tolerance of smooth signals.
 SMOOTH = 1e-9
@@ -157,12 +157,15 @@ def test_long_records_are_read_in_parts_to_the_same_numbers():
     assert whole.force[0] == pytest.approx(sum(p.force[0] * p.cycles for p in parts) / 150, rel=1e-9)
 
 
-def test_combined_weights_with_cycles():
+def test_a_total_weights_with_cycles():
     a, v = motion(drive_time(12 * 512, delay=0), 5.0)
     cut = 4 * 512
     first = window_energy(30 * v[:cut], a[:cut], 4, 20.0)
     second = window_energy(60 * v[cut:], a[cut:], 8, 20.0)
-    both = combined([first, second])
+    total = Total()
+    for part in (first, second):
+        total.add(part)
+    both = total.energy()
     assert pytest.approx(dashpot_energy(50, 5), rel=SMOOTH) == both.W
     assert both.W_cycles.shape == (12,)
 

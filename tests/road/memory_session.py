@@ -67,8 +67,8 @@ class MemoryTruth:
     columns: tuple[str, ...]
     documents: Mapping[str, Any]
 
-    def ledger(self, run: str) -> tuple[tuple[str, ...], np.ndarray]:
-        return self.columns, self.ledgers[run]
+    def ledger(self, run: str, start: int = 0, stop: int | None = None) -> tuple[tuple[str, ...], np.ndarray]:
+        return self.columns, self.ledgers[run][start:stop]
 
     def document(self, name: str) -> Any:
         return self.documents.get(name)

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PEAK = """
 import resource, sys
 sys.argv = ["rig", *sys.argv[1:]]
@@ -16,9 +18,10 @@ finally:
 """
 
 
-def peak_megabytes(protocol: Path, out: Path, cycles: int) -> list[float]:
+def peak_megabytes(protocol: Path, out: Path, cycles: int, *sets: str) -> list[float]:
     """Peak memory of the writer and of its largest worker."""
     words = ["run", str(protocol), "--out", str(out), "--json", "--set", "vary={}", "--set", f"acquire.record={cycles}"]
+    words += [word for one in sets for word in ("--set", one)]
     done = subprocess.run([sys.executable, "-c", PEAK, *words], capture_output=True, text=True, check=True)
     return [float(word) for word in done.stderr.rpartition("peak")[2].split()]
 
@@ -29,3 +32,11 @@ def test_a_long_record_takes_no_more_memory(small: Path, tmp_path: Path) -> None
     short, long = (peak_megabytes(small, tmp_path / str(n), n) for n in (40, 1500))
     for before, after in zip(short, long, strict=True):
         assert after - before < 8.0
+
+
+@pytest.mark.slow
+def test_a_hundred_minutes_take_no_more_than_one(small: Path, tmp_path: Path) -> None:
+    """Writer, worker, analysis and report; 120 000 cycles at 20 Hz, a file of half a gigabyte."""
+    one, hundred = (peak_megabytes(small, tmp_path / str(n), 1200 * n, "repeats=1") for n in (1, 100))
+    for before, after in zip(one, hundred, strict=True):
+        assert after - before < 5.0
