@@ -30,10 +30,11 @@ TEXTS = {
 A slider is one row of grains: a mass in a box that moves as a sine, with friction, play and walls; a slug is one with
 weight. All methods get the same ones from the same start; the error is that of the energy per cycle in the steady
 state, against closed forms or (e > 0, lid) closed flights with root finding of their own (`benchmarks/reference.py`).
-Every method evaluates the same right-hand side, a sine each time. Compiled methods follow up to 512 cycles, `solve_ivp`
-the settling and two more; times are per cycle, none stops early where a state recurs. What a method costs at an error
-is read from its curve, log time over log error; a coarse setting counts with the largest error of all finer ones,
-because nobody can know where errors cancel. The ratio is that of the summed times over all problems.""",
+Every method evaluates the same right-hand side, a sine each time. Compiled methods follow up to 4096 cycles or
+200,000 steps, of which what they set up once is a small part, `solve_ivp` the settling and two more cycles; times are
+per cycle, none stops early where a state recurs. What a method costs at an error is read from its curve, log time
+over log error; a coarse setting counts with the largest error of all finer ones, because nobody can know where errors
+cancel. The ratio is that of the summed times over all problems.""",
     "each": """The same, problem by problem. A friction block that only stops and starts again (eta 0.7) is kind to
 first-order stepping: without impacts it is of second order there.""",
     "checks": "",

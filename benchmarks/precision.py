@@ -10,7 +10,7 @@ from benchmarks.timing import interleaved, peak_memory, spread
 
 Row = dict[str, Any]
 
-COMPILED_CYCLES = 512
+COMPILED_CYCLES = 4096
 """Cycles that a compiled method follows at most: what it sets up once is then a small part of its time."""
 
 COMPILED_STEPS = 200_000
