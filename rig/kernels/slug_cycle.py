@@ -30,6 +30,9 @@ GRAZING = 1e-14
 STEADY = 1e-3
 """Largest relative change of the push on a wall while a series of bounces dies out."""
 
+LONG = 0.5
+"""Flight, rad, from which on the displacement, t^3/6 or more, may be the difference of two positions."""
+
 PASS, STOP, LOW, HIGH = 0, 1, 2, 3
 """How a piece of a stretch ends: nothing happens, at rest in the box, at the lower wall, at the upper wall."""
 
@@ -168,7 +171,7 @@ def _next(
     if sense * u2 > 0.0 and sense * (d2 - ahead) >= 0.0:
         guess = t2
         if u0 == 0.0:
-            guess = t2 * (ahead / d2) ** (1.0 / 3.0) if t1 == 0.0 else min(2.0 * t1, t2)
+            guess = t2 * np.cbrt(ahead / d2) if t1 == 0.0 else min(2.0 * t1, t2)
         elif t1 == 0.0 and ahead == 0.0 and u0 * a0 < 0.0:
             guess = min(-2.0 * u0 / a0, t2)
         t, u, a, steps = reach(t1, t2, guess, ahead, sense, u0, a0, S, C)
@@ -215,9 +218,14 @@ def cycle(
             n += 1
         start, start_x, low, top = theta, x, world.lower - q, world.upper - q
         t1, d1, u1 = 0.0, 0.0, u
+        pull = weight + mode * band
         while True:
             t2 = table[line, 0] - start
-            d2, u2, _, _, _, _, _, _ = drift(t2, u, a0, S, C)
+            if t2 > LONG:
+                d2 = (v + u - 0.5 * pull * t2) * t2 - (table[line, 1] - x)
+                u2 = v + u - pull * t2 - table[line, 2]
+            else:
+                d2, u2, _, _, _, _, _, _ = drift(t2, u, a0, S, C)
             rises = region == -1 or (region == 0 and mode == -1)
             kind, t, d, slip, rate, steps = _next(
                 t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C
@@ -234,7 +242,6 @@ def cycle(
             work -= mode * band * (table[last, 1] - start_x)
             return Cycle(mode, q, u, n, roots, high, work, friction, collision)
         theta = min(start + t, table[line, 0])
-        pull = weight + mode * band
         x, v = x + (v + u - 0.5 * pull * t) * t - d, v + u - pull * t - slip
         q, u, slid = q + d, 0.0, mode * band
         closing, back, sense = 0.0, 0.0, 0.0
