@@ -11,19 +11,8 @@ import math
 
 from numba import njit
 
+from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import Array, near_by
-
-NEAR = 0.01
-"""Step, as a share of the time since the start (at most 1), over which a Taylor series of order 7 is exact.
-
-Divided by the number of harmonics. A root found to be so near is finished on the series, without another sine.
-"""
-
-EXACT = 1e-17
-"""Error, in the same measure, that a step on the series may leave: half its square times curvature over slope."""
-
-TIGHT = 1e-15
-"""Relative bracket width at which bisection has nothing left to halve."""
 
 MOST_ROOT_STEPS = 200
 """Bisections that bring any bracket of a cycle below round-off."""
@@ -112,14 +101,7 @@ def reach(
             lo = t
         else:
             hi = t
-        closing = sense * u
-        square, bend = closing * closing, 0.5 * left * sense * a
-        if abs(bend) > 0.5 * square:
-            bend = 0.0
-        new = t + left * closing / (square + bend) if closing > 0.0 and square > 0.0 else lo - 1.0
-        inside = lo <= new <= hi
-        if not inside:
-            new = 0.5 * (lo + hi)
+        new, inside = halley(t, lo, hi, left, -sense * u, -sense * a)
         step, scale = new - t, min(t, 1.0)
         if inside and abs(step) < near * scale:
             for _ in range(3):
@@ -154,13 +136,7 @@ def turn(
             lo = t
         else:
             hi = t
-        square, bend = a * a, 0.5 * u * jerk
-        if abs(bend) > 0.5 * square:
-            bend = 0.0
-        new = t - u * a / (square - bend) if sense * a < 0.0 and square > 0.0 else lo - 1.0
-        inside = lo <= new <= hi
-        if not inside:
-            new = 0.5 * (lo + hi)
+        new, inside = halley(t, lo, hi, sense * u, sense * a, sense * jerk)
         step, scale = new - t, min(t, 1.0)
         if inside and abs(step) < near * scale:
             for _ in range(3):

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import TWO_PI, Array, Ints, jet, motion, near_by
 
 MAX_EVENTS = 512
@@ -21,24 +22,12 @@ MAX_EVENTS = 512
 CHATTER = 1e-6
 """Rebounds slower than this many waveform velocities end at the wall: what is cut off is below 5e-13 of m V^2."""
 
-NEAR = 0.01
-"""Step, rad, over which a Taylor series of position up to the seventh order is exact to round-off: d^7/7! < 1e-17.
-
-Divided by the number of harmonics. A root found to be so near is finished on the series, without another sine.
-"""
-
-EXACT = 1e-17
-"""Error, rad, that a step on the series may leave: Newton's, half the step's square times curvature over slope."""
-
 GRAZING = 1e-14
 """A row that stops so little behind a wall stops at it: round-off, and below 1e-14 of m V^2.
 
 Where it comes back to the wall that it was thrown from, as in every orbit that wanders nowhere, it is a matter of
 round-off whether it touches, and the phase of a touch without speed is known to half the digits only.
 """
-
-TIGHT = 1e-15
-"""Bracket width, rad, at which bisection has nothing left to halve."""
 
 FREE, STOP, WALL = 0, 1, 2
 """How a stretch of sliding ends: at a region change or the end of the cycle, at rest in the box, at an end wall."""
@@ -117,14 +106,7 @@ def _stop(
             lo = theta
         else:
             hi = theta
-        slope = -band - s * a
-        square, bend = slope * slope, 0.5 * f * s * jerk
-        if abs(bend) > 0.5 * square:
-            bend = 0.0
-        new = theta - f * slope / (square + bend) if slope < 0.0 and square > 0.0 else lo - 1.0
-        inside = lo <= new <= hi
-        if not inside:
-            new = 0.5 * (lo + hi)
+        new, inside = halley(theta, lo, hi, f, -band - s * a, -s * jerk)
         step = new - theta
         if inside and abs(step) < near:
             for _ in range(3):
@@ -167,13 +149,7 @@ def _hit(
             lo = theta
         else:
             hi = theta
-        square, bend = closing * closing, -0.5 * gap * (s * a + band)
-        if abs(bend) > 0.5 * square:
-            bend = 0.0
-        new = theta + gap * closing / (square + bend) if closing > 0.0 and square > 0.0 else lo - 1.0
-        inside = lo <= new <= hi
-        if not inside:
-            new = 0.5 * (lo + hi)
+        new, inside = halley(theta, lo, hi, gap, -closing, s * a + band)
         step = new - theta
         if inside and abs(step) < near:
             for _ in range(3):

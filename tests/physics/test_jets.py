@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rig.kernels import flight, row
+from rig.kernels import flight
 from rig.kernels.flight import at, drift, reach, turn
+from rig.kernels.roots import NEAR
 from rig.kernels.waveform import jet, near_by
 
 WAVES = (
@@ -36,7 +37,7 @@ def test_a_jet_is_the_motions_derivatives(theta: float, wave: tuple[np.ndarray, 
 def test_the_series_is_the_motion_near_by(theta: float, share: float, wave: tuple[np.ndarray, np.ndarray]) -> None:
     """Over `NEAR` of the finders' steps the series leaves out less than round-off, in position and velocity; the
     acceleration, which only corrects the last step, lacks d^6/6! (1.4e-15)."""
-    step = share * row.NEAR / wave[0].size
+    step = share * NEAR / wave[0].size
     found = near_by(step, *jet(theta, *wave))
     exact = jet(theta + step, *wave)
     assert abs(found[0] - exact[0]) <= 8 * ULP
