@@ -3,9 +3,9 @@
 from numba import njit
 
 NEAR = 0.01
-"""Step, rad (or as a share of a flight's time, if shorter), over which a Taylor series of order 7 is exact to round-off.
+"""Step, rad (or share of a flight's time, if shorter), over which a Taylor series of order 7 is exact: d^7/7! < 1e-17.
 
-d^7/7! < 1e-17. Divided by the number of harmonics. A root found to be so near is finished on the series, without
+Divided by the number of harmonics. A root found to be so near is finished on the series, without
 another sine.
 """
 
