@@ -24,6 +24,7 @@ from rig.catalog.entries import Rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import STATES, I, V, X
+from rig.kernels.pages import CHUNK, P, at, paged
 from rig.kernels.two_way import Pull, end_velocity
 from rig.ledger import COLUMNS
 from rig.scene import Drive, Grains, Layers, Scene
@@ -95,7 +96,8 @@ def _moreau(
     y: Array, w: Array, u: Array,
 ) -> float:  # fmt: skip
     n, heat = band.shape[0], 0.0
-    lo, hi, p = -band.copy(), band.copy(), np.zeros(band.shape[0])
+    lo, hi, rows, lanes = -band.copy(), band.copy(), np.uint64(n), np.empty(CHUNK)
+    tally = np.zeros((2, n // 64 + 1), np.int64)
     for k in range(pace.shape[0]):
         for i in range(n):  # walls that a row would be behind at the end of the step push without limit
             ahead = u[i] + h * (w[i] - y[V])
@@ -103,14 +105,16 @@ def _moreau(
             lo[i] = -np.inf if ahead >= play[i] else -band[i]
         free = phi @ y + rate * pace[k]
         gain = thrust[V] / h
-        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, band, w, lo, hi, p)
+        pages = paged(w, u, lo, hi, band, play)
+        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, pages, rows, tally, lanes)
         after = free - thrust * (given / h)
         way = after[X] - y[X]
         for i in range(n):
-            slip = way - (w[i] + 0.5 * p[i]) * h
-            heat += around.row_mass * p[i] / h * slip
+            p = pages[at(np.uint64(i)) + P]
+            slip = way - (w[i] + 0.5 * p) * h
+            heat += around.row_mass * p / h * slip
             u[i] -= slip
-            w[i] += p[i]
+            w[i] += p
         y[:] = after
     return heat
 

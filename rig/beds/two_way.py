@@ -50,8 +50,8 @@ class TwoWay:
 
 def _layers(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
     bed = stack(scene, rig, filling)
-    band = np.repeat(bed.threshold, bed.play.shape[1])
-    play = bed.play.ravel()
+    band = np.tile(bed.threshold, bed.play.shape[1])
+    play = bed.play.T.ravel()
     free = play > LEAST_PLAY
     bonded = bed.carried_mass + bed.row_mass * float(np.count_nonzero(~free))
     return TwoWay(bonded, 0.0, bed.row_mass, bed.restitution, band[free], play[free])

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from rig.kernels.pages import CHUNK, paged, unpaged
 from rig.kernels.two_way import WINDOW, Pull, carry, collide, end_velocity, next_walls
 from rig.kernels.waveform import Array
 
@@ -244,13 +245,11 @@ def stretch(
 
     Returns how the amplifier drives at the end, the signals, shape (intervals + 1, SIGNALS), and the accounts.
     """
-    longest, intervals, rows, h = thrust.shape[1] - 1, command.shape[0] - 1, w.shape[0], on.interval
+    longest, intervals, rows, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
-    p, slip, heat = np.zeros(rows), np.empty(rows), np.empty(rows)
-    who = np.empty(rows, np.int64)
-    grip = 1.0 / np.maximum(band, 1e-300)
-    leaning = bool(np.any(hi - lo == math.inf))
+    pages, lanes, who = paged(w, u, lo, hi, band, play), np.empty((3, CHUNK)), np.empty(rows, np.int64)
+    tally = np.ones((2, rows // CHUNK + np.uint64(1)), np.int64)
     k0, force, per_time, least, most = 0, 0.0, 1.0, 0.0, 0.0
     while k0 < intervals:
         steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
@@ -260,14 +259,13 @@ def stretch(
             speed = path[k, V] + force * thrust[kind, k, V]
             least, most = (speed, speed) if k == 0 else (min(least, speed), max(most, speed))
         depth = TOUCH * (most - least) * steps * h
-        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, p, w, u, lo, hi, play, who, slip)
+        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, pages, rows, who, lanes[0])
         if count:
             steps = min(int(first) + WINDOW, steps)
         time = steps * h
         start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
-        end, given, air, guide = end_velocity(
-            free + gain * time * force, start, free, gain, time, around, band, w, lo, hi, p
-        )
+        guess = free + gain * time * force
+        end, given, air, guide = end_velocity(guess, start, free, gain, time, around, pages, rows, tally, lanes[0])
         force, per_time = -given / time, 1.0 / time
         for k in range(1, steps + 1):
             for s in range(STATES):
@@ -277,8 +275,8 @@ def stretch(
         accounts[AIR] += air / time * way
         accounts[GUIDE] += guide / time * way
         rub, push = carry(
-            (end - start) / time - around.pull, start, time, stop * h, way, around, p, band, grip, w, u, lo, hi, play,
-            slip, heat, leaning, stop == steps and 2 * steps > longest,
+            (end - start) / time - around.pull, start, time, stop * h, way, around, pages, rows,
+            tally, lanes, stop == steps and 2 * steps > longest,
         )  # fmt: skip
         accounts[FRICTION] += rub - push
         accounts[COLLISION] += push
@@ -288,11 +286,11 @@ def stretch(
             y[s] = path[stop, s]
         if count:
             slow = abs(path[stop, V] - path[stop - 1, V]) + abs(around.pull) * h
-            behind, lost = collide(y[V], h, slow, around, count, who, play, w, u, lo, hi)
+            behind, lost = collide(y[V], h, slow, around, count, who, pages, tally)
             signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
             signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])
             accounts[COLLISION] += lost
             y[V] = behind
-            leaning = True
         k0, feed = k0 + stop, after
+    unpaged(pages, w, u, lo, hi)
     return feed, signals, accounts

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from rig.kernels.pages import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, total
 from rig.kernels.waveform import Array, Ints
 
 NEWTON = 100
@@ -25,13 +26,11 @@ RESIDUAL = 1e-14
 WINDOW = 2
 """Intervals before and behind an edge whose impacts are dealt with at that edge."""
 
-CHUNK = np.uint64(64)
-"""Rows that are counted together before one of them is looked for (unsigned: that compiles to several at a time)."""
-
 NEAR = 1e-4
-NEARBY = 0.01
-"""Share of its play, of 10 mm at most, within which a row that has leaned on a wall still does: impacts elsewhere shake
-it by less."""
+"""Share of its play within which a row that has leaned on a wall still does: impacts elsewhere shake it by less."""
+
+HELD, LEANING = range(2)
+"""What is counted of each page: rows that the box holds, and rows that lean on a wall."""
 
 GROUND = 1e7
 """Mass of a guide at rest over that of the box: creep while it holds is below 1e-7 of what friction allows."""
@@ -55,37 +54,27 @@ class Pull(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def total(x: Array) -> float:
-    """Sum of an array in eight lanes: independent additions, in an order that is always the same."""
-    n = x.shape[0]
-    a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 8
-    for i in range(0, whole, 8):
-        a += x[i]
-        b += x[i + 1]
-        c += x[i + 2]
-        d += x[i + 3]
-        e += x[i + 4]
-        f += x[i + 5]
-        g += x[i + 6]
-        h += x[i + 7]
-    for i in range(whole, n):
-        a += x[i]
-    return ((a + b) + (c + d)) + ((e + f) + (g + h))
+def impulses(V: float, time: float, pages: Array, rows: np.uint64, tally: Ints, lanes: Array) -> tuple[float, int]:
+    """Impulses per mass, `P`, that give rows a box that ends a step with velocity V; their sum, and how many it holds.
 
-
-@njit(cache=True, nogil=True)
-def impulses(V: float, time: float, w: Array, lo: Array, hi: Array, p: Array) -> int:
-    """Impulses per mass, `p`, that give rows a box that ends a step with velocity V, and how many rows it holds."""
+    V : less what gravity gives the rows meanwhile. How many are held stands in `tally` too, by page.
+    """
     held = 0
-    for i in range(w.shape[0]):
-        d = V - w[i]
-        least, most = lo[i] * time, hi[i] * time
-        c = least if d < least else d
-        c = most if c > most else c
-        p[i] = c
-        held += 1 if c == d else 0
-    return held
+    clear(lanes)
+    for begin in range(np.uint64(0), rows, CHUNK):
+        page, holds = begin * FIELDS, 0
+        for j in range(np.uint64(0), min(CHUNK, rows - begin)):
+            i = page + j
+            d = V - pages[i + W]
+            least, most = pages[i + LO] * time, pages[i + HI] * time
+            c = least if d < least else d
+            c = most if c > most else c
+            pages[i + P] = c
+            lanes[j] += c
+            holds += 1 if c == d else 0
+        tally[HELD, begin // CHUNK] = holds
+        held += holds
+    return total(lanes), held
 
 
 @njit(cache=True, nogil=True)
@@ -102,57 +91,54 @@ def other_impulse(V: float, start: float, speed: float, time: float, on: Pull) -
     return air, guide, -on.preload * time, slope
 
 
-@njit(cache=True, nogil=True)
-def turn(a: float, start: float, time: float, band: Array, w: Array, p: Array) -> float:
+@njit(cache=True, nogil=True, error_model="numpy")
+def turn(V: float, start: float, time: float, pages: Array, rows: np.uint64, lanes: Array) -> float:
     """Give rows whose slip changes sign within a step the friction of both parts; the change of all impulses, per mass.
 
-    a : acceleration of the box less that of gravity on the rows. Slip z ends at t = |z|/(band + |a|) and begins anew
-    the other way for |a| > band: p = band (time - 2 t) in the direction of a. The implicit law has it all that way.
-    A row that its wall pushes harder than friction could slides nowhere.
+    V : as in `impulses`; the box gains a = (V - start)/time on the rows. Slip z ends at t = |z|/(band + |a|) and begins
+    anew the other way for |a| > band: p = band (time - 2 t) in the direction of a. The implicit law has it all that
+    way, or leaves none. A row that its wall pushes harder than friction could slides nowhere.
     """
-    change, rows = 0.0, np.uint64(w.shape[0])
+    change, a = 0.0, (V - start) / time
+    fast, toward = abs(a), math.copysign(1.0, a)
     for begin in range(np.uint64(0), rows, CHUNK):
-        end, turned = min(begin + CHUNK, rows), 0
-        for i in range(begin, end):
-            z = start - w[i]
-            turned += 1 if z * (z + a * time - p[i]) < 0.0 else 0
+        page, here, turned = begin * FIELDS, min(CHUNK, rows - begin), 0
+        for j in range(np.uint64(0), here):
+            i = page + j
+            w = pages[i + W]
+            turned += 1 if ((start - w) * (V - w - pages[i + P]) <= 0.0) & (fast > pages[i + BAND]) else 0
         if turned == 0:
             continue
-        for i in range(begin, end):
-            z = start - w[i]
-            if z * (z + a * time - p[i]) < 0.0 and abs(a) > band[i] and abs(p[i]) <= band[i] * time:
-                friction = math.copysign(band[i] * (time - 2.0 * abs(z) / (band[i] + abs(a))), a)
-                if abs(friction) <= abs(p[i]):
-                    change += friction - p[i]
-                    p[i] = friction
+        clear(lanes)
+        for j in range(np.uint64(0), here):
+            i = page + j
+            w, p, band = pages[i + W], pages[i + P], pages[i + BAND]
+            z = start - w
+            turns = (z * (V - w - p) <= 0.0) & (fast > band) & (abs(p) <= band * time)
+            friction = toward * band * (time - 2.0 * abs(z) / (band + fast))
+            friction = friction if turns & (abs(friction) <= abs(p)) else p
+            lanes[j] = friction - p
+            pages[i + P] = friction
+        change += total(lanes)
     return change
 
 
 @njit(cache=True, nogil=True)
 def end_velocity(
-    V: float,
-    start: float,
-    free: float,
-    gain: float,
-    time: float,
-    on: Pull,
-    band: Array,
-    w: Array,
-    lo: Array,
-    hi: Array,
-    p: Array,
-) -> tuple[float, float, float, float]:
+    V: float, start: float, free: float, gain: float, time: float, on: Pull, pages: Array, rows: np.uint64,
+    tally: Ints, lanes: Array,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Box velocity at the end of a step, guessed as V, and the impulses that the box gives: all, the air, the guide.
 
-    The rows' part of them stands in `p`, per mass.
+    The rows' part of them stands in `P`, per mass.
     """
     low, high = -math.inf, math.inf
-    given, air, guide = 0.0, 0.0, 0.0
+    given, air, guide, fall = 0.0, 0.0, 0.0, on.pull * time
     speed = 0.5 * abs(start + V)
     for _ in range(NEWTON):
-        held = impulses(V - on.pull * time, time, w, lo, hi, p)
+        taken, count = impulses(V - fall, time, pages, rows, tally, lanes)
         air, guide, preload, slope = other_impulse(V, start, speed, time, on)
-        given = on.row_mass * total(p) + air + guide + preload
+        given = on.row_mass * taken + air + guide + preload
         error = V - free + gain * given
         if abs(error) <= RESIDUAL * (abs(V) + abs(free) + gain * abs(given)):
             break
@@ -160,47 +146,51 @@ def end_velocity(
             high = V
         else:
             low = V
-        better = V - error / (1.0 + gain * (on.row_mass * held + slope))
+        better = V - error / (1.0 + gain * (on.row_mass * count + slope))
         if not low < better < high:
             better = 0.5 * (low + high)
         if better == V:
             break
         V = better
-    given += on.row_mass * turn((V - start) / time - on.pull, start, time, band, w, p)
+    given += on.row_mass * turn(V - fall, start, time, pages, rows, lanes)
     return V, given, air, guide
 
 
 @njit(cache=True, nogil=True)
 def next_walls(
-    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, p: Array, w: Array, u: Array,
-    lo: Array, hi: Array, play: Array, who: Ints, room: Array,
+    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, pages: Array,
+    rows: np.uint64, who: Ints, room: Array,
 ) -> tuple[int, float]:  # fmt: skip
     """Rows that will pass a wall within some intervals if their friction stays as it was, and when the first one does.
 
-    path : how far the box will have moved at the edges, m; `p`, `per_time` : the latest impulses, and one over the time
-    that they took; depth : how far a row has to pass, m. Rows go to `who`, as -1 - row for the far wall; returns their
-    number and the time in intervals.
+    path : how far the box will have moved at the edges, m; `per_time` : one over the time that the latest impulses
+    took; depth : how far a row has to pass, m. Places of rows go to `who`, as -1 - place for the far wall; returns
+    their number and the time in intervals.
     """
     time = steps * interval
     half, fall = 0.5 * time * time * per_time, 0.5 * time * time * pull - path[steps]
-    count, first, rows = 0, math.inf, np.uint64(w.shape[0])
+    count, first = 0, math.inf
     for begin in range(np.uint64(0), rows, CHUNK):
-        end, beyond = min(begin + CHUNK, rows), 0
-        for i in range(begin, end):
-            place = u[i] + w[i] * time + half * p[i] + fall
-            room[i] = place
-            beyond += 1 if (place < -depth) | (place > play[i] + depth) else 0
+        page, here, beyond = begin * FIELDS, min(CHUNK, rows - begin), 0
+        for j in range(np.uint64(0), here):
+            i = page + j
+            place = pages[i + U] + pages[i + W] * time + half * pages[i + P] + fall
+            room[j] = place
+            low = (place < -depth) & (pages[i + HI] < math.inf)
+            far = (place > pages[i + PLAY] + depth) & (pages[i + LO] > -math.inf)
+            beyond += 1 if low | far else 0
         if beyond == 0:
             continue
-        for i in range(begin, end):
-            place = room[i]
-            if -depth <= place <= play[i] + depth:
+        for j in range(np.uint64(0), here):
+            i, place = page + j, room[j]
+            if -depth <= place <= pages[i + PLAY] + depth:
                 continue
             low = place < 0.0
-            if (hi[i] if low else -lo[i]) == math.inf:
+            if (pages[i + HI] if low else -pages[i + LO]) == math.inf:
                 continue
-            t = _crossing(w[i], p[i] * per_time + pull, u[i], play[i], low, interval, steps, path)
-            who[count] = int(i) if low else -1 - int(i)
+            a = pages[i + P] * per_time + pull
+            t = _crossing(pages[i + W], a, pages[i + U], pages[i + PLAY], low, interval, steps, path)
+            who[count] = np.int64(i) if low else -1 - np.int64(i)
             count += 1
             first = min(first, t)
     return count, first
@@ -222,84 +212,87 @@ def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: fl
 
 @njit(cache=True, nogil=True)
 def carry(
-    a: float, start: float, time: float, part: float, moved: float, on: Pull, p: Array, band: Array, grip: Array,
-    w: Array, u: Array, lo: Array, hi: Array, play: Array, slip: Array, heat: Array, leaning: bool, settle: bool,
+    a: float, start: float, time: float, part: float, moved: float, on: Pull, pages: Array, rows: np.uint64,
+    tally: Ints, lanes: Array, settle: bool,
 ) -> tuple[float, float]:  # fmt: skip
     """Move the rows through the first `part` (s) of a step of `time` (s); heat in all, and that of leaning, J.
 
-    a : as in `turn`; moved : how far the box moves in that part, m; `slip`, `heat` are room to work in; leaning : are
-    there rows that do; settle : correct the ways of rows that come to rest. The heat is that of the constant forces.
-    Loops are short and many, so that each is compiled for several rows at a time.
+    a : as in `turn`; moved : how far the box moves in that part, m; tally : how many rows of each page the box holds,
+    and how many lean on a wall; settle : correct the ways of rows that come to rest. The heat is that of the constant
+    forces.
     """
-    per_time, half, pull, rows = 1.0 / time, 0.5 * part, on.pull, w.shape[0]
-    pushed, bound = 0, time * (1.0 + 1e-9)
-    for i in range(rows):
-        way = moved - (w[i] * part + half * (p[i] * per_time + pull) * part)
-        slip[i] = way
-        heat[i] = p[i] * way
-        pushed += 1 if abs(p[i]) > band[i] * bound else 0
-    rubbed, leant = total(heat), 0.0
-    if pushed:
-        for i in range(rows):
-            given, way, rub = p[i], slip[i], band[i] * time
-            over = given - rub if given > 0.0 else given + rub
-            heat[i] = over * way if abs(given) > rub else 0.0
-        leant = total(heat)
-    if settle:
-        _settle(a, start, time, p, band, grip, w, slip)
-    if leaning:
-        kept = _lean(time, pull * time, p, slip, lo, hi)
-        rubbed, leant = rubbed + kept, leant + kept
-    for i in range(rows):
-        u[i] -= slip[i]
-        w[i] += (p[i] * per_time + pull) * part
-    if leaning:
-        for i in range(rows):
-            least, most, rub, place, room = lo[i], hi[i], band[i], u[i], play[i]
-            near = NEAR * min(room, NEARBY)
-            hi[i] = rub if place > near else most
-            lo[i] = -rub if room - place > near else least
-    return on.row_mass * rubbed * per_time, on.row_mass * leant * per_time
+    per_time, pull, leant = 1.0 / time, on.pull, 0.0
+    heat, pushed, ways = lanes[0], lanes[1], lanes[2]
+    clear(heat)
+    for begin in range(np.uint64(0), rows, CHUNK):
+        page, here = begin * FIELDS, min(CHUNK, rows - begin)
+        for j in range(np.uint64(0), here):
+            i = page + j
+            p, w = pages[i + P], pages[i + W]
+            speed = (p * per_time + pull) * part
+            way = moved - (w * part + 0.5 * speed * part)
+            ways[j] = way
+            heat[j] += p * way
+            pages[i + U] -= way
+            pages[i + W] = w + speed
+        if settle and tally[HELD, begin // CHUNK]:
+            _settle(a, start, time, pull * part, pages, page, here, ways)
+        if tally[LEANING, begin // CHUNK]:
+            work, still = _lean(time, pull * time, pages, page, here, ways, pushed)
+            leant += work
+            tally[LEANING, begin // CHUNK] = still
+    return on.row_mass * total(heat) * per_time, on.row_mass * leant * per_time
 
 
-@njit(cache=True, nogil=True)
-def _lean(time: float, fall: float, p: Array, slip: Array, lo: Array, hi: Array) -> float:
-    """Keep rows that lean on a wall there unless they slide off; the work of gravity on what is kept, times time."""
-    kept = 0.0
-    if fall != 0.0:
-        for i in range(p.shape[0]):
-            if hi[i] - lo[i] == math.inf and p[i] != lo[i] * time and p[i] != hi[i] * time:
-                kept += slip[i]
-    for i in range(p.shape[0]):
-        least, most, given, way = lo[i], hi[i], p[i], slip[i]
-        slip[i] = 0.0 if (most - least == math.inf) & (given != least * time) & (given != most * time) else way
-    return kept * fall
-
-
-@njit(cache=True, nogil=True)
-def _settle(a: float, start: float, time: float, p: Array, band: Array, grip: Array, w: Array, slip: Array) -> None:
+@njit(cache=True, nogil=True, error_model="numpy")
+def _settle(
+    a: float, start: float, time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array
+) -> None:
     """Ways of rows that come to rest in the box within a step: slip z ends at t = |z|/(band - a sign z), way z t/2.
 
-    With the slip spread over the whole step they would creep by an amount of first order in the step. `grip` is 1/band,
-    x = a sign z/band; 1/(1 - x) is taken as (1 + x)(1 + x^2)(1 + x^4) for x > 0, as 1 + .9 x + .4 x^2 (3 %) below: a
-    division costs more than all the rest, and a row with x near 1 does not come to rest within a step.
+    With the slip spread over the whole step they would creep by an amount of first order in the step.
     """
-    for i in range(w.shape[0]):
-        z, limit, way = start - w[i], band[i], slip[i]
-        s = a if z > 0.0 else -a
-        x = s * grip[i]
-        rests = (abs(p[i]) < limit * time) & (abs(z) < (limit - s) * time) & (way != 0.0) & (abs(x) < 1.0)
-        square = x * x
-        sooner = 1.0 + 0.9 * x + 0.4 * square
-        inverse = (1.0 + x) * (1.0 + square) * (1.0 + square * square) if x > 0.0 else sooner
-        short = 0.5 * z * abs(z) * grip[i] * inverse
-        slip[i] = short if rests else way
+    for j in range(np.uint64(0), here):
+        i = page + j
+        p, limit, way = pages[i + P], pages[i + BAND], ways[j]
+        z = start - (pages[i + W] - (p + fall))
+        slows = limit - (a if z > 0.0 else -a)
+        rests = (abs(p) < limit * time) & (abs(z) < slows * time) & (abs(a) < limit)
+        short = 0.5 * z * abs(z) / slows
+        short = short if rests else way
+        pages[i + U] += way - short
+        ways[j] = short
+
+
+@njit(cache=True, nogil=True)
+def _lean(
+    time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array, lanes: Array
+) -> tuple[float, int]:
+    """Keep rows that lean on a wall there unless they slide off; how many still lean.
+
+    The heat, per mass and times time, is that of what walls push beyond friction, and gravity's work on what is kept.
+    """
+    clear(lanes)
+    still = 0
+    for j in range(np.uint64(0), here):
+        i = page + j
+        least, most, p, way = pages[i + LO], pages[i + HI], pages[i + P], ways[j]
+        rub, place, room = pages[i + BAND], pages[i + U], pages[i + PLAY]
+        stays = (most - least == math.inf) & (p != least * time) & (p != most * time)
+        kept = way if stays else 0.0
+        lanes[j] = (p - min(max(p, -rub * time), rub * time)) * way + fall * kept
+        place += kept
+        most = rub if place > NEAR * room else most
+        least = -rub if room - place > NEAR * room else least
+        pages[i + U], pages[i + HI], pages[i + LO] = place, most, least
+        still += 1 if most - least == math.inf else 0
+    return total(lanes), still
 
 
 @njit(cache=True, nogil=True)
 def collide(
-    V: float, interval: float, threshold: float, on: Pull, count: int, who: Ints, play: Array, w: Array, u: Array,
-    lo: Array, hi: Array,
+    V: float, interval: float, threshold: float, on: Pull, count: int, who: Ints, pages: Array,
+    tally: Ints,
 ) -> tuple[float, float]:  # fmt: skip
     """Impacts at an edge: box velocity behind them, and the energy that they take, J.
 
@@ -312,10 +305,11 @@ def collide(
     lost = 0.0
     for k in range(count):
         low = who[k] >= 0
-        i = who[k] if low else -1 - who[k]
+        i = np.uint64(who[k] if low else -1 - who[k])
+        u, w = pages[i + U], pages[i + W]
         s = 1.0 if low else -1.0
-        closing = s * (V - w[i])
-        gap = u[i] if low else play[i] - u[i]
+        closing = s * (V - w)
+        gap = u if low else pages[i + PLAY] - u
         if closing <= 0.0 or gap > WINDOW * interval * closing:
             continue
         back = on.restitution * closing
@@ -323,14 +317,15 @@ def collide(
             back = 0.0
         lost += 0.5 * reduced * (closing * closing - back * back)
         V -= s * share * (closing + back)
-        w[i] = V + s * back
+        pages[i + W] = V + s * back
         away = -gap / closing * back
-        place = away if low else play[i] - away
-        lost += m * on.pull * (place - u[i])
-        u[i] = place
+        place = away if low else pages[i + PLAY] - away
+        lost += m * on.pull * (place - u)
+        pages[i + U] = place
         if back == 0.0:
+            tally[LEANING, i // (CHUNK * FIELDS)] = 1
             if low:
-                hi[i] = math.inf
+                pages[i + HI] = math.inf
             else:
-                lo[i] = -math.inf
+                pages[i + LO] = -math.inf
     return V, lost

@@ -15,7 +15,8 @@ from rig.coupled import STEPS, CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import response
 from rig.drive.waveform import Waveform
-from rig.kernels.two_way import Pull, collide
+from rig.kernels.pages import paged, unpaged
+from rig.kernels.two_way import LEANING, Pull, collide
 from rig.ledger import COUPLED_COLUMNS
 from rig.scene import Axis, Drive, Scene, Slug
 from rig.stand import Stand, box_mass
@@ -33,10 +34,13 @@ def test_a_row_and_a_free_box_collide_by_the_book(
     """Momentum stays, the relative velocity turns by -e, and what is lost is m_r (1 - e^2) w^2/2: round-off."""
     s = 1.0 if low else -1.0
     w, u = np.array([v - s * closing]), np.array([0.0 if low else 1e-3])
-    lo, hi, play = np.array([-1.0]), np.array([1.0]), np.array([1e-3])
+    lo, hi = np.array([-1.0]), np.array([1.0])
+    pages = paged(w, u, lo, hi, hi, np.array([1e-3]))
     before = m * w[0] + box * v, 0.5 * m * w[0] ** 2 + 0.5 * box * v**2
     around = Pull(m, e, 0.0, box, 0.0, 0.0, 0.0)
-    after, lost = collide(v, 1e-5, 1e-9, around, 1, np.array([0 if low else -1]), play, w, u, lo, hi)
+    who, tally = np.array([0 if low else -1]), np.zeros((2, 1), np.int64)
+    after, lost = collide(v, 1e-5, 1e-9, around, 1, who, pages, tally)
+    unpaged(pages, w, u, lo, hi)
     scale = m * abs(before[0] / (m + box)) + m * closing + box * abs(v)
     assert m * w[0] + box * after == pytest.approx(before[0], abs=1e-14 * scale)
     rebound = s * (w[0] - after)
@@ -45,7 +49,7 @@ def test_a_row_and_a_free_box_collide_by_the_book(
     )
     energy = 0.5 * m * w[0] ** 2 + 0.5 * box * after**2
     assert before[1] - energy == pytest.approx(lost, abs=1e-13 * (before[1] + energy))
-    assert (hi[0] - lo[0] == np.inf) == (e * closing <= 1e-9)
+    assert (hi[0] - lo[0] == np.inf) == (e * closing <= 1e-9) == bool(tally[LEANING, 0])
 
 
 def reference(
@@ -94,13 +98,14 @@ def test_one_row_slides_as_an_integrator_with_events_has_it(
     rig: Rig, steel: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A row of 8 kg that rides, slips and turns for three cycles. When slip begins is known to a step: velocities agree
-    to what friction changes in one, heat to 2e-3 at the default step and to half of that at a quarter of it."""
+    to what friction changes in one, heat to 1e-3 at the default step and less in proportion to it."""
     mass, band, amplitude = 8.0, 0.6, 4.0
     monkeypatch.setitem(TWO_WAY, "layers", lambda *_: TwoWay(0.0, 0.0, mass, 0.0, np.array([band]), np.array([1e3])))
     scene = replace(steel, losses=())
     damped = replace(rig, exciter=replace(rig.exciter, stinger_damping=400.0))
-    errors = []
-    for refine in (1, 4):
+    errors: list[float] = []
+    expected: tuple[float, float, float] | None = None
+    for refine in (1, 4, 16):
         drive = Drive(mode="coupled", amplifier="current")
         tested = CoupledStand(scene, damped, drive, nominal(scene, rig), 4096 * 20.0, refine=refine)
         tested._u[:] = 500.0  # in the middle, away from the walls
@@ -108,13 +113,13 @@ def test_one_row_slides_as_an_integrator_with_events_has_it(
         tested._phasors = (-1j * amplitude,)
         tested.advance(Command((-1j * amplitude,), 20.0, 3))
         heat = tested.drain_ledger()[:, 0].sum()
-        v, w, exact = reference(tested, mass, band, amplitude, 3 / 20.0)
+        expected = expected or reference(tested, mass, band, amplitude, 3 / 20.0)
+        v, w, exact = expected
         step = 1.0 / (20.0 * STEPS * refine)
         assert tested.state[5] == pytest.approx(v, abs=band * step)
         assert tested._w[0] == pytest.approx(w, abs=band * step)
-        errors.append(abs(heat / exact - 1.0))
-    assert errors[0] < 2e-3
-    assert errors[1] < 0.5 * errors[0]
+        errors.append(refine * abs(heat / exact - 1.0))
+    assert max(errors) < 1e-3
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])

@@ -1,0 +1,71 @@
+"""Rows of grains in pages: `CHUNK` rows after one another, each of their numbers in a block of its own.
+
+Numbers of one page are constant distances apart, so a loop over its rows compiles to several rows at a time, whatever
+it reads and writes (with an array for each number the compiler asks first whether any two overlap, and soon gives up).
+Indices are unsigned: a signed one might count from the end. Sums go to `lanes`, one for each row of a page: their order
+is that of the rows, on any machine.
+"""
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.waveform import Array
+
+CHUNK = np.uint64(64)
+FIELDS = np.uint64(7)
+W, U, P, LO, HI, BAND, PLAY = (CHUNK * np.uint64(k) for k in range(7))
+"""Where the numbers begin in a page: velocity, place against the wall at 0, latest impulse per mass, least and most
+acceleration that the box gives, friction, free play."""
+
+
+@njit(cache=True, nogil=True)
+def paged(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
+    """Rows as pages, flat; impulses are 0, and so is what the last page has no rows for."""
+    rows = np.uint64(w.shape[0])
+    pages = np.zeros((rows + CHUNK - np.uint64(1)) // CHUNK * CHUNK * FIELDS)
+    for k in range(rows):
+        i = at(np.uint64(k))
+        pages[i + W], pages[i + U], pages[i + LO], pages[i + HI] = w[k], u[k], lo[k], hi[k]
+        pages[i + BAND], pages[i + PLAY] = band[k], play[k]
+    return pages
+
+
+@njit(cache=True, nogil=True)
+def unpaged(pages: Array, w: Array, u: Array, lo: Array, hi: Array) -> None:
+    """What changes of the rows, back in arrays."""
+    for k in range(w.shape[0]):
+        i = at(np.uint64(k))
+        w[k], u[k], lo[k], hi[k] = pages[i + W], pages[i + U], pages[i + LO], pages[i + HI]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def at(row: np.uint64) -> np.uint64:
+    """Place of a row's first number; the others follow at W, U, ..."""
+    return row // CHUNK * CHUNK * FIELDS + row % CHUNK
+
+
+@njit(cache=True, nogil=True)
+def clear(lanes: Array) -> None:
+    """Begin sums anew."""
+    for j in range(lanes.shape[0]):
+        lanes[j] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def total(x: Array) -> float:
+    """Sum of an array in eight lanes: independent additions, in an order that is always the same."""
+    n = x.shape[0]
+    a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 8
+    for i in range(0, whole, 8):
+        a += x[i]
+        b += x[i + 1]
+        c += x[i + 2]
+        d += x[i + 3]
+        e += x[i + 4]
+        f += x[i + 5]
+        g += x[i + 6]
+        h += x[i + 7]
+    for i in range(whole, n):
+        a += x[i]
+    return ((a + b) + (c + d)) + ((e + f) + (g + h))
