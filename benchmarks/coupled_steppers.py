@@ -106,7 +106,7 @@ def _moreau(
         free = phi @ y + rate * pace[k]
         gain = thrust[V] / h
         pages = paged(w, u, lo, hi, band, play)
-        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, pages, rows, tally, lanes)
+        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, pages, rows, 0.0, tally, lanes)
         after = free - thrust * (given / h)
         way = after[X] - y[X]
         for i in range(n):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from rig.kernels.dozing import FARTHEST, FORCE, LEAST_ROWS, SINCE, SLACK, SPAN, again, doze, herd, stays, wake
 from rig.kernels.pages import CHUNK, paged, unpaged
 from rig.kernels.two_way import WINDOW, Pull, carry, collide, end_velocity, next_walls
 from rig.kernels.waveform import Array
@@ -237,6 +238,18 @@ def _tell(
 
 
 @njit(cache=True, nogil=True)
+def _foreseen(path: Array, steps: int, force: float, thrust: Array, moved: Array) -> float:
+    """How far the box will have moved at the edges under a force, m, to `moved`; share of its change of speed, m/s."""
+    least, most = path[0, V], path[0, V]
+    for k in range(steps + 1):
+        moved[k] = path[k, X] - path[0, X] + force * thrust[k, X]
+        speed = path[k, V] + force * thrust[k, V]
+        least, most = min(least, speed), max(most, speed)
+    share: float = TOUCH * (most - least)
+    return share
+
+
+@njit(cache=True, nogil=True)
 def stretch(
     on: Machine, around: Pull, feed: Feed, phi: Array, now: Array, following: Array, thrust: Array, command: Array,
     y: Array, w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array,
@@ -245,32 +258,39 @@ def stretch(
 
     Returns how the amplifier drives at the end, the signals, shape (intervals + 1, SIGNALS), and the accounts.
     """
-    longest, intervals, rows, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
+    longest, intervals, many, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
-    pages, lanes, who = paged(w, u, lo, hi, band, play), np.empty((3, CHUNK)), np.empty(rows, np.int64)
-    tally = np.ones((2, rows // CHUNK + np.uint64(1)), np.int64)
-    k0, force, per_time, least, most = 0, 0.0, 1.0, 0.0, 0.0
+    flock, lanes, who = herd(paged(w, u, lo, hi, band, play), many), np.empty((3, CHUNK)), np.empty(many, np.int64)
+    pages, nap, tally = flock.awake, flock.nap, np.ones((2, many // CHUNK + np.uint64(1)), np.int64)
+    ahead = SPAN * longest * h if many >= LEAST_ROWS else math.inf
+    rows = doze(y[X], y[V], ahead, around.pull, many, flock)
+    k0, force, per_time = 0, 0.0, 1.0
     while k0 < intervals:
+        if nap[SINCE] + longest * h > ahead * (1.0 + 1e-9) or nap[FARTHEST] > nap[SLACK]:
+            rows, heat = again(y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, flock)
+            accounts[FRICTION] += around.row_mass * heat
+            tally[:] = 1
         steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
         _free(y, steps, k0, feed, command, phi, now, following, on, path)
-        for k in range(steps + 1):
-            moved[k] = path[k, X] - y[X] + force * thrust[kind, k, X]
-            speed = path[k, V] + force * thrust[kind, k, V]
-            least, most = (speed, speed) if k == 0 else (min(least, speed), max(most, speed))
-        depth = TOUCH * (most - least) * steps * h
+        depth = _foreseen(path, steps, force, thrust[kind], moved) * steps * h
         count, first = next_walls(h, steps, around.pull, per_time, moved, depth, pages, rows, who, lanes[0])
         if count:
             steps = min(int(first) + WINDOW, steps)
-        time = steps * h
+        time, steady = steps * h, around.row_mass * nap[FORCE]
         start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
         guess = free + gain * time * force
-        end, given, air, guide = end_velocity(guess, start, free, gain, time, around, pages, rows, tally, lanes[0])
+        end, given, air, guide = end_velocity(
+            guess, start, free, gain, time, around, pages, rows, steady, tally, lanes[0]
+        )
         force, per_time = -given / time, 1.0 / time
         for k in range(1, steps + 1):
             for s in range(STATES):
                 path[k, s] += force * thrust[kind, k, s]
         stop, after = _within(path, steps, k0, feed, command, on)
+        if not stays(path[: stop + 1, V], nap) and rows < many:
+            continue
+        nap[SINCE] += stop * h
         way = path[stop, X] - y[X]
         accounts[AIR] += air / time * way
         accounts[GUIDE] += guide / time * way
@@ -292,5 +312,6 @@ def stretch(
             accounts[COLLISION] += lost
             y[V] = behind
         k0, feed = k0 + stop, after
-    unpaged(pages, w, u, lo, hi)
+    accounts[FRICTION] += around.row_mass * wake(y[X], 1.0 / per_time, around.pull, many, rows, flock)
+    unpaged(flock.everyone, w, u, lo, hi)
     return feed, signals, accounts

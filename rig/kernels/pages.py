@@ -12,10 +12,10 @@ from numba import njit
 from rig.kernels.waveform import Array
 
 CHUNK = np.uint64(64)
-FIELDS = np.uint64(7)
-W, U, P, LO, HI, BAND, PLAY = (CHUNK * np.uint64(k) for k in range(7))
+FIELDS = np.uint64(9)
+W, U, P, LO, HI, BAND, PLAY, DOZES, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
 """Where the numbers begin in a page: velocity, place against the wall at 0, latest impulse per mass, least and most
-acceleration that the box gives, friction, free play."""
+acceleration that the box gives, friction, free play; whether a row dozes (1 or 0), and the friction on it if so."""
 
 
 @njit(cache=True, nogil=True)

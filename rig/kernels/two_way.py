@@ -126,11 +126,11 @@ def turn(V: float, start: float, time: float, pages: Array, rows: np.uint64, lan
 @njit(cache=True, nogil=True)
 def end_velocity(
     V: float, start: float, free: float, gain: float, time: float, on: Pull, pages: Array, rows: np.uint64,
-    tally: Ints, lanes: Array,
+    steady: float, tally: Ints, lanes: Array,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Box velocity at the end of a step, guessed as V, and the impulses that the box gives: all, the air, the guide.
 
-    The rows' part of them stands in `P`, per mass.
+    steady : constant force on rows that are not in the pages, N. The rows' part stands in `P`, per mass.
     """
     low, high = -math.inf, math.inf
     given, air, guide, fall = 0.0, 0.0, 0.0, on.pull * time
@@ -138,7 +138,7 @@ def end_velocity(
     for _ in range(NEWTON):
         taken, count = impulses(V - fall, time, pages, rows, tally, lanes)
         air, guide, preload, slope = other_impulse(V, start, speed, time, on)
-        given = on.row_mass * taken + air + guide + preload
+        given = on.row_mass * taken + steady * time + air + guide + preload
         error = V - free + gain * given
         if abs(error) <= RESIDUAL * (abs(V) + abs(free) + gain * abs(given)):
             break
