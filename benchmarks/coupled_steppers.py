@@ -24,7 +24,7 @@ from rig.catalog.entries import Rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import STATES, I, V, X
-from rig.kernels.pages import CHUNK, P, at, paged
+from rig.kernels.pages import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, paged, total, unpaged
 from rig.kernels.two_way import Pull, end_velocity
 from rig.ledger import COLUMNS
 from rig.scene import Drive, Grains, Layers, Scene
@@ -95,27 +95,32 @@ def _moreau(
     phi: Array, thrust: Array, rate: Array, pace: Array, around: Pull, band: Array, play: Array, h: float,
     y: Array, w: Array, u: Array,
 ) -> float:  # fmt: skip
-    n, heat = band.shape[0], 0.0
-    lo, hi, rows, lanes = -band.copy(), band.copy(), np.uint64(n), np.empty(CHUNK)
-    tally = np.zeros((2, n // 64 + 1), np.int64)
+    rows, heat, lanes = np.uint64(band.shape[0]), 0.0, np.empty(CHUNK)
+    lo, hi, tally = -band, band.copy(), np.zeros((2, band.shape[0] // 64 + 1), np.int64)
+    pages = paged(w, u, lo, hi, band, play)
     for k in range(pace.shape[0]):
-        for i in range(n):  # walls that a row would be behind at the end of the step push without limit
-            ahead = u[i] + h * (w[i] - y[V])
-            hi[i] = np.inf if ahead <= 0.0 else band[i]
-            lo[i] = -np.inf if ahead >= play[i] else -band[i]
+        for begin in range(np.uint64(0), rows, CHUNK):
+            for j in range(np.uint64(0), min(CHUNK, rows - begin)):
+                i = begin * FIELDS + j  # walls that a row would be behind at the end of the step push without limit
+                ahead, rub = pages[i + U] + h * (pages[i + W] - y[V]), pages[i + BAND]
+                pages[i + HI] = np.inf if ahead <= 0.0 else rub
+                pages[i + LO] = -np.inf if ahead >= pages[i + PLAY] else -rub
         free = phi @ y + rate * pace[k]
         gain = thrust[V] / h
-        pages = paged(w, u, lo, hi, band, play)
         _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, pages, rows, 0.0, tally, lanes)
         after = free - thrust * (given / h)
         way = after[X] - y[X]
-        for i in range(n):
-            p = pages[at(np.uint64(i)) + P]
-            slip = way - (w[i] + 0.5 * p) * h
-            heat += around.row_mass * p / h * slip
-            u[i] -= slip
-            w[i] += p
+        clear(lanes)
+        for begin in range(np.uint64(0), rows, CHUNK):
+            for j in range(np.uint64(0), min(CHUNK, rows - begin)):
+                i = begin * FIELDS + j
+                slip = way - (pages[i + W] + 0.5 * pages[i + P]) * h
+                lanes[j] += pages[i + P] * slip
+                pages[i + U] -= slip
+                pages[i + W] += pages[i + P]
+        heat += around.row_mass / h * total(lanes)
         y[:] = after
+    unpaged(pages, w, u, lo, hi)
     return heat
 
 

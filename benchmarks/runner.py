@@ -23,7 +23,7 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
-    from benchmarks import beds, chain, precision, recording, records, scaling, sliders, small_beds
+    from benchmarks import beds, chain, exciter, precision, recording, records, scaling, sliders, small_beds
 
     rounds = 3 if quick else 5
     few = min(rounds, 3)
@@ -43,6 +43,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         Job("acquisition", 1.0 if quick else 3.0, partial(records.acquisition, rounds, quick)),
         Job("recorder", 2.0, partial(recording.recorder, rounds)),
         Job("analysis and replay", 4.0 if quick else 8.0, partial(records.reading, few, quick)),
+        Job("exciter in the loop", 4.0 if quick else 8.0, partial(exciter.coupled, rounds, quick)),
         Job("fill protocol", 16.0 if quick else 45.0, partial(records.fill, 2 if quick else 5)),
     ]
     found += [

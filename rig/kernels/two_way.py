@@ -27,7 +27,9 @@ WINDOW = 2
 """Intervals before and behind an edge whose impacts are dealt with at that edge."""
 
 NEAR = 1e-4
-"""Share of its play within which a row that has leaned on a wall still does: impacts elsewhere shake it by less."""
+NEARBY = 0.01
+"""Share of its play, of 10 mm at most, within which a row that has leaned on a wall still does: impacts elsewhere shake
+it by less."""
 
 HELD, LEANING = range(2)
 """What is counted of each page: rows that the box holds, and rows that lean on a wall."""
@@ -238,7 +240,7 @@ def carry(
         if settle and tally[HELD, begin // CHUNK]:
             _settle(a, start, time, pull * part, pages, page, here, ways)
         if tally[LEANING, begin // CHUNK]:
-            work, still = _lean(time, pull * time, pages, page, here, ways, pushed)
+            work, still = _lean(time, pull * time, pages, page, here, ways, heat, pushed)
             leant += work
             tally[LEANING, begin // CHUNK] = still
     return on.row_mass * total(heat) * per_time, on.row_mass * leant * per_time
@@ -266,11 +268,12 @@ def _settle(
 
 @njit(cache=True, nogil=True)
 def _lean(
-    time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array, lanes: Array
-) -> tuple[float, int]:
+    time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array, heat: Array, lanes: Array
+) -> tuple[float, int]:  # fmt: skip
     """Keep rows that lean on a wall there unless they slide off; how many still lean.
 
-    The heat, per mass and times time, is that of what walls push beyond friction, and gravity's work on what is kept.
+    Heat, per mass and times time: of what walls push beyond friction, and gravity's work on what is kept, which goes to
+    `heat` as well.
     """
     clear(lanes)
     still = 0
@@ -281,9 +284,11 @@ def _lean(
         stays = (most - least == math.inf) & (p != least * time) & (p != most * time)
         kept = way if stays else 0.0
         lanes[j] = (p - min(max(p, -rub * time), rub * time)) * way + fall * kept
+        heat[j] += fall * kept
         place += kept
-        most = rub if place > NEAR * room else most
-        least = -rub if room - place > NEAR * room else least
+        near = NEAR * min(room, NEARBY)
+        most = rub if place > near else most
+        least = -rub if room - place > near else least
         pages[i + U], pages[i + HI], pages[i + LO] = place, most, least
         still += 1 if most - least == math.inf else 0
     return total(lanes), still
