@@ -9,6 +9,7 @@ from analysis.causes import causes
 from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
+from analysis.loop_back import LoopBack, loop_back_nulls
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
@@ -42,6 +43,7 @@ def agreement(
     actual: Actual | None = None,
     fidelity: Mapping[str, Any] | None = None,
     resolved: Mapping[str, str] | None = None,
+    loop_backs: Sequence[LoopBack] = (),
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -52,7 +54,8 @@ def agreement(
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
     actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
     finely and how long each condition was simulated, where that was chosen and not written, as the session says.
-    resolved: protocol and rig file written out, with which the session can be repeated.
+    resolved: protocol and rig file written out, with which the session can be repeated. loop_backs: what runs with one
+    voltage at both inputs tell.
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -67,7 +70,7 @@ def agreement(
         if grouped[name]
     ]
     empties = {_level(r.setting): r for r in results if r.setting.is_empty}
-    nulls = null_tests(settings, grouped, channels)
+    nulls = null_tests(settings, grouped, channels) + loop_back_nulls(loop_backs, channels)
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
     judged = verdict(results, nulls, known, ledger["closure_max"], left_out)

@@ -25,7 +25,8 @@ LEVELS = 3
 
 @dataclass(frozen=True, slots=True)
 class Null:
-    """A null test: "locked" or "carried" bed; dphi in rad, None without a fit; holds, does not hold or undecided."""
+    """A null test: "locked" or "carried" bed, or "loop-back" (analysis.loop_back); levels: of the drive, of a loop-back
+    its runs; dphi in rad, None without a fit; holds, does not hold or undecided; gain: of a loop-back, relative."""
 
     null: str
     bed_mass: float
@@ -34,6 +35,7 @@ class Null:
     dphi: Estimate | None
     verdict: str
     why: str
+    gain: Estimate | None = None
 
     def row(self) -> dict[str, Any]:
         """The report's entry."""
@@ -46,6 +48,8 @@ class Null:
             "U_dphi": self.dphi.U if self.dphi else None,
             "k": self.dphi.k if self.dphi else None,
             "nu": self.dphi.nu if self.dphi else None,
+            "gain": self.gain.value if self.gain else None,
+            "U_gain": self.gain.U if self.gain else None,
             "verdict": self.verdict,
             "why": self.why,
         }

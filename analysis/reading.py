@@ -11,10 +11,11 @@ from analysis.comparison import agreement
 from analysis.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.documents import checked
 from analysis.energy import Energy, Total, harmonics, window_energy
+from analysis.loop_back import LoopBack, loop_back
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
-from analysis.runs import AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
+from analysis.runs import LOOP_BACK, AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
 from analysis.uncertainty import noise_of
 from analysis.verdict import NOT_REACHED
 from daq.block import Flag, flag_names
@@ -46,16 +47,11 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
     if not run.complete:
         raise AnalysisError(f"{run.name} is not complete")
     setting = Setting.of(record.conditions[run.condition])
+    if setting.bed == LOOP_BACK:
+        raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
     force, acceleration = _channel(record, FORCE), _channel(record, ACCELERATION)
     scalars = record.scalars(run.name)
-    phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
-    try:
-        window = whole_cycles(
-            run.samples, run.rate, setting.frequency,
-            filter_delay=force.filter_delay + phase, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
-        )  # fmt: skip
-    except ValueError as error:
-        raise AnalysisError(f"{run.name}: {error}") from error
+    window = _window(run, setting, force, scalars)
     delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
     stretches = _stretches(record, run, window, tolerate_gaps)
     total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
@@ -90,6 +86,18 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
         clip_ratio=_clip_ratio(record, run) if bits & OVERLOAD else 0.0,
     )  # fmt: skip
+
+
+def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]) -> Window:
+    """The whole cycles of a run that count. AnalysisError where there are none."""
+    phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
+    try:
+        return whole_cycles(
+            run.samples, run.rate, setting.frequency,
+            filter_delay=force.filter_delay + phase, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
+        )  # fmt: skip
+    except ValueError as error:
+        raise AnalysisError(f"{run.name}: {error}") from error
 
 
 def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
@@ -138,11 +146,14 @@ def read_session(
     energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
     cannot be used are listed under `left_out` with the reason.
     """
-    known, left_out = dict(energies or {}), []
+    known, loop_backs, left_out = dict(energies or {}), [], []
     for run in record.runs:
         if run.name not in known:
             try:
-                known[run.name] = run_energy(record, run, tolerate_gaps)
+                if record.conditions[run.condition].get("bed") == LOOP_BACK:
+                    loop_backs.append(_loop_back(record, run))
+                else:
+                    known[run.name] = run_energy(record, run, tolerate_gaps)
             except AnalysisError as error:
                 left_out.append({"run": run.name, "why": str(error)})
     protocol, rig, prediction = (
@@ -162,7 +173,16 @@ def read_session(
         actual=actual_of(record.truth),
         fidelity=checked("fidelity", record.document("fidelity")),
         resolved=_resolved({"protocol": protocol, "rig": rig}),
+        loop_backs=loop_backs,
     )
+
+
+def _loop_back(record: Record, run: RunFacts) -> LoopBack:
+    if not run.complete:
+        raise AnalysisError(f"{run.name} is not complete")
+    setting, force = Setting.of(record.conditions[run.condition]), _channel(record, FORCE)
+    _channel(record, ACCELERATION)
+    return loop_back(record, run, _window(run, setting, force, record.scalars(run.name)), setting.frequency)
 
 
 def _resolved(documents: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CONDITION",
+    "LOOP_BACK",
     "AnalysisError",
     "ChannelFacts",
     "Record",
@@ -24,6 +25,9 @@ __all__ = [
     "Signal",
     "Truth",
 ]
+
+
+LOOP_BACK = "loop_back"  # a bed that is none: one voltage at both inputs
 
 
 class AnalysisError(Exception):
@@ -199,7 +203,7 @@ class Setting:
     @property
     def is_empty(self) -> bool:
         """Nothing in the box: no grains, and no dashpot either."""
-        return self.bed == "empty" or (self.bed not in ("dashpot", "unknown") and self.bed_mass == 0)
+        return self.bed == "empty" or (self.bed not in ("dashpot", "unknown", LOOP_BACK) and self.bed_mass == 0)
 
     @property
     def is_bonded(self) -> bool:

@@ -15,7 +15,8 @@ from analysis.estimate import Estimate, effective_dof
 from analysis.runs import ChannelFacts
 
 __all__ = [
-    "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "noise_at", "noise_of",
+    "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
+    "inputs_gain", "noise_at", "noise_of",
     "numerics_line", "own_parts", "resolution_lines", "scatter_line",
 ]  # fmt: skip
 
@@ -135,10 +136,26 @@ def _turn(omega: float, channel: ChannelFacts) -> float:
 def angle_uncertainty(force: ChannelFacts, acceleration: ChannelFacts, frequency: float) -> Estimate:
     """The angle between the two channels that is left after correction: 0 rad with its standard uncertainty."""
     omega = 2 * math.pi * frequency
-    parts = [(_spread(channel) * _turn(omega, channel), math.inf) for channel in (force, acceleration)]
+    poles = [(_spread(channel) * _turn(omega, channel), math.inf) for channel in (force, acceleration)]
+    return combine(0.0, [*poles, *inputs_angle(force, acceleration, frequency)])
+
+
+def inputs_angle(force: ChannelFacts, acceleration: ChannelFacts, frequency: float) -> list[tuple[float, float]]:
+    """Parts (rad, nu) of the angle that the analyzer alone leaves between two channels: couplings, skew, arithmetic."""
+    omega, parts = 2 * math.pi * frequency, [(ANGLE_RESOLUTION, math.inf)]
     for channel in (force, acceleration):
         parts += [(_coupling_turn(omega, channel), math.inf), (omega * channel.skew_tolerance / math.sqrt(3), math.inf)]
-    return combine(0.0, [*parts, (ANGLE_RESOLUTION, math.inf)])
+    return parts
+
+
+def inputs_gain(force: ChannelFacts, acceleration: ChannelFacts, frequency: float) -> list[tuple[float, float]]:
+    """The same of the ratio of their gains, relative."""
+    parts = [(RESOLUTION, math.inf)]
+    for channel in (force, acceleration):
+        ratio = channel.corner / frequency
+        scale = channel.corner_tolerance * ratio**2 / (1 + ratio**2)
+        parts += [(channel.gain_tolerance / math.sqrt(3), math.inf), (scale / math.sqrt(3), math.inf)]
+    return parts
 
 
 def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:

@@ -63,7 +63,8 @@ def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str
 
 def _null(null: Null) -> tuple[bool, str]:
     words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[null.verdict]
-    return null.verdict != "does not hold", f"The null test with the {null.null} bed {words}: {null.why}."
+    test = "The loop-back" if null.null == "loop-back" else f"The null test with the {null.null} bed"
+    return null.verdict != "does not hold", f"{test} {words}: {null.why}."
 
 
 def _reference(reference: Reference) -> tuple[bool, str]:

@@ -16,7 +16,7 @@ from daq.shapes import Keys, List, Number, Text, deviations
 
 __all__ = [
     "CHANNEL",
-    "POSITIVE",
+    "RATE",
     "RUNS",
     "block_deviations",
     "channel_deviations",
@@ -32,6 +32,7 @@ __all__ = [
 
 COUNT = Number(0, whole=True)
 POSITIVE = Number(0.0, above=True)
+RATE = Number(1e-6)  # Hz; slower, and a cycle has no sample that a number could count
 SMALLEST = 1e-15  # V per unit, V: a smaller scale makes numbers that overflow
 
 RUNS = List(
@@ -40,7 +41,7 @@ RUNS = List(
             "name": Text(), "condition": Text(), "repeat": Number(whole=True), "order": Number(whole=True),
             "samples": Number(1, whole=True), "settle_samples": COUNT, "blocks": Number(1, whole=True),
         },
-        {"t0": Text(), "title": Text(), "rate": POSITIVE, "ledger_cycles": Number(0, whole=True, null=True)},
+        {"t0": Text(), "title": Text(), "rate": RATE, "ledger_cycles": Number(0, whole=True, null=True)},
     ),
     least=1,
 )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from daq.channel import ChannelInfo
 from daq.patience import limited
 from daq.session_content import (
-    POSITIVE,
+    RATE,
     block_deviations,
     channel_deviations,
     channel_of,
@@ -95,7 +95,7 @@ class Record:
                 raise SessionError(f"{path} {_foreign(self.schema)}")
             refuse(deviations(root, Keys({"synthetic": YesNo()}), "the root's attributes"))
             self.synthetic = bool(root["synthetic"])
-            refuse(deviations(read_attributes(file, "session"), Keys({"rate": POSITIVE}), "session"))
+            refuse(deviations(read_attributes(file, "session"), Keys({"rate": RATE}), "session"))
             self.rate = float(read_attributes(file, "session")["rate"])
             self._plans = plans_of(read_json(file, "session/runs"))
             self._index = {name: position for position, name in enumerate(self._plans)}

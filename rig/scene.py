@@ -12,8 +12,9 @@ from rig.practice import NO_MISTAKE, BadPractice
 from rig.units import Quantity
 
 SCHEMA = "rig/protocol/1"
-BEDS = ("empty", "locked", "dashpot", "slug", "layers", "grains")
-BUILT_BEDS = ("empty", "locked", "dashpot", "slug", "layers")
+BEDS = ("empty", "locked", "dashpot", "slug", "layers", "grains", "loop_back")
+BUILT_BEDS = ("empty", "locked", "dashpot", "slug", "layers", "loop_back")
+LOOP_BACK = "loop_back"  # no bed: the box stands by empty, and one voltage is led to all inputs
 HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")

@@ -88,7 +88,7 @@ def nulls_plot(report: Row) -> Plot | None:
     if not rows:
         return None
     values = [1e3 * (row["dphi"] + sign * row["U_dphi"]) for row in rows for sign in (-1, 1)]
-    names = [f"{row['null']}, {row['bed_mass']:.3g} kg" for row in rows]
+    names = [f"{row['null']}, {row['bed_mass']:.3g} kg" if row["bed_mass"] else row["null"] for row in rows]
     panel = Panel(linear((-0.6, len(rows) - 0.4)), linear([*values, 0.0]), "bed that cannot slide", "angle, mrad",
                   height=220, names=names if len(rows) <= 3 else [row["null"] for row in rows])  # fmt: skip
     panel.level(0.0, INK)

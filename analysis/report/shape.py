@@ -78,11 +78,17 @@ FINDING: dict[str, Shape] = {"found": Text(), "verdict": JUDGED, "why": Text(), 
 CLAIM = Keys({"claim": Text(), "test": Text(), **FINDING, "cases": List(Keys({"at": Text(), **FINDING}))})
 NULL = Keys(
     _all(
-        {"null": Text(("locked", "carried")), "verdict": JUDGED, "why": Text(), "levels": Number(0, whole=True)},
+        {
+            "null": Text(("locked", "carried", "loop-back")),
+            "verdict": JUDGED,
+            "why": Text(),
+            "levels": Number(0, whole=True),
+        },
         _each("bed_mass frequency", Number(0.0)),
         {"dphi": KNOWN},
         _each("U_dphi k nu", SIZE),
-    )
+    ),
+    {"gain": KNOWN, "U_gain": SIZE},
 )
 REFERENCE = Keys(
     _all({"verdict": JUDGED}, _each("reference of unit why", Text()), _each("value expected", KNOWN), {"U": SIZE})

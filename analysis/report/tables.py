@@ -139,7 +139,10 @@ def nulls(report: Report) -> Table:
         )
         for row in report["nulls"]
     )  # fmt: skip
-    note = "A bed that cannot slide must look like mass: the angle between the channels must vanish within its U."
+    note = (
+        "A bed that cannot slide must look like mass: the angle between the channels must vanish within its U. A "
+        "loop-back is one voltage at both inputs: the angle and the gain between them are the analyzer's own."
+    )
     head = ("bed", "mass, kg", "f, Hz", "levels", "angle ± U, mrad", "verdict", "why")
     return Table("Null tests", note, head, rows)
 

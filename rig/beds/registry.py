@@ -13,6 +13,7 @@ from rig.scene import Scene
 
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "empty": lambda _scene, _rig, _filling, sampling: Locked(0.0, sampling),
+    "loop_back": lambda _scene, _rig, _filling, sampling: Locked(0.0, sampling),
     "locked": lambda scene, _rig, filling, sampling: Locked(bed_mass(scene, filling.packing), sampling),
     "dashpot": lambda scene, _rig, _filling, sampling: Dashpot(scene.dashpot.c, sampling),
     "slug": lambda scene, rig, filling, sampling: SlugBed(slug(scene, rig, filling), sampling),

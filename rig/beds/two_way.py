@@ -76,6 +76,7 @@ def _slug(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
 
 TWO_WAY: dict[str, Callable[[Scene, Rig, Filling], TwoWay]] = {
     "empty": lambda _scene, _rig, _filling: TwoWay(),
+    "loop_back": lambda _scene, _rig, _filling: TwoWay(),
     "locked": lambda scene, _rig, filling: TwoWay(bonded=bed_mass(scene, filling.packing)),
     "dashpot": lambda scene, _rig, _filling: TwoWay(damping=scene.dashpot.c),
     "layers": _layers,

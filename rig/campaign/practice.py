@@ -11,7 +11,7 @@ from rig.drive.coil import Armature, CoilForce
 from rig.drive.waveform import Waveform
 from rig.instruments import CHANNELS, Instruments
 from rig.practice import AC_CORNER, BadPractice
-from rig.scene import Condition
+from rig.scene import LOOP_BACK, Condition
 
 ACCELERATION = CHANNELS.index("acceleration")
 
@@ -36,6 +36,8 @@ def seen(
         return Late(source, ACCELERATION, practice.skew * OVERSAMPLING)
     if practice.clock is not None:
         return Drifting(source, ACCELERATION, 1e-6 * practice.clock)
+    if condition.scene.bed == LOOP_BACK:  # neither the coil nor the sensors are in it
+        return source
     if practice.coil:
         return CoilForce(source, Armature.of(rig.exciter), motion)
     if practice.offset is not None:

@@ -20,7 +20,7 @@ RAMP = {"servo": 0, "coupled": 10}
 """Cycles before those in which the motion grows, by drive: rows that have several orbits at one level land on others
 when the motion starts at once, as a servo's does, or gradually, as level control brings it up."""
 
-STILL = ("empty", "locked", "dashpot")
+STILL = ("empty", "locked", "dashpot", "loop_back")
 """Beds that dissipate nothing by the model."""
 
 NAMES = ("W_T_recorded", "W_f_recorded", "u_W_T_recorded")

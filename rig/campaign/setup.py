@@ -20,6 +20,7 @@ from rig.campaign.beginning import Beginning
 from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
 from rig.campaign.faults import with_faults
 from rig.campaign.fidelity import chosen
+from rig.campaign.loop_back import LoopBack, inputs_alone
 from rig.campaign.peaks import beyond, steady, use_of, with_peaks_of
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
@@ -34,7 +35,7 @@ from rig.fidelity.rows import side_by_side
 from rig.instruments import Instruments, instruments
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
-from rig.scene import Condition, Protocol, Scene
+from rig.scene import LOOP_BACK, Condition, Protocol, Scene
 from rig.stand import Stand
 
 Array = NDArray[np.float64]
@@ -173,9 +174,18 @@ class Campaign:
                 found = [road.scalars(), beginning.scalars() if self.triggered else {}]
                 yield Part(run.name, block, rows, {**found[0], **found[1], **(listener.scalars() if listener else {})})
 
+    def led(self, run: Run, source: PhysicalSource) -> PhysicalSource:
+        """What is led to the instruments: the stand's signals, or in a loop-back the generator's voltage."""
+        if run.condition.scene.bed != LOOP_BACK:
+            return source
+        rate = self.lengths[run.condition.id].rate
+        return LoopBack(source, self.instruments, run.condition.drive.frequency, rate)
+
     def _acquisition(self, run: Run, source: PhysicalSource) -> Emulated:
         """Transducers and front end of a run."""
         tools, size = self.instruments, self.lengths[run.condition.id]
+        if run.condition.scene.bed == LOOP_BACK:
+            tools = inputs_alone(tools)
         noise = [self._stream(run, channel.name) for channel in tools.channels]
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
         return Emulated(conditioned(Transduced(source, tools.states), tools.channels, tools.states), front)
@@ -206,7 +216,7 @@ class Servo:
         stand, rig = self._stand, campaign.rig
         four = run.condition.acquire.exciter_channels
         source = WithExciter(stand, campaign.instruments.exciter) if four else stand
-        self.source = seen(source, campaign.protocol.mistake, run.condition, rig, stand.motion)
+        self.source = seen(campaign.led(run, source), campaign.protocol.mistake, run.condition, rig, stand.motion)
 
     def lead(self, _acquisition: Emulated, _period: float) -> int:
         """Samples before the record: none, the motion is there from the start."""
@@ -232,7 +242,7 @@ class Coupled:
     def __init__(self, campaign: Campaign, run: Run) -> None:
         self._campaign, self._run = campaign, run
         self._dwelling = campaign.dwelling(run)
-        self.source = Picked(self._dwelling.stand, len(campaign.instruments.channels))
+        self.source = campaign.led(run, Picked(self._dwelling.stand, len(campaign.instruments.channels)))
 
     def lead(self, acquisition: Emulated, period: float) -> int:
         """Reads on, cycle by cycle, until the level is held; gives the samples read. The instruments have been on since

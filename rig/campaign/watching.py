@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.online import Online
-from analysis.runs import AnalysisError, Setting
+from analysis.runs import LOOP_BACK, AnalysisError, Setting
 from daq.block import Block, flag_names
 from daq.session import Record, RunInfo
 
@@ -68,5 +68,7 @@ class Watcher:
         """What reads a run's energies; None for a run without force and acceleration, or without a whole cycle."""
         with suppress(ValueError, AnalysisError):
             setting = Setting.of(self._record.conditions[run.condition])
+            if setting.bed == LOOP_BACK:
+                return None
             return Online(self._channels, setting, run.rate, run.planned)
         return None

@@ -19,7 +19,7 @@ from rig.theory.total import AVERAGED_CYCLES
 TOLERANCE = 0.01
 """Relative error of W per cycle where a protocol does not say."""
 
-RIGID = ("empty", "locked", "dashpot")
+RIGID = ("empty", "locked", "dashpot", "loop_back")
 """Beds that are the same in every cycle: nothing in them has to settle."""
 
 LONGER = 2
@@ -208,6 +208,7 @@ def _skipped(condition: Condition, rig: Rig, rows: RowsChoice | None) -> tuple[s
     scene, drive = condition.scene, condition.drive
     said = {
         "empty": "bed: the box is empty",
+        "loop_back": "bed: none, one voltage at all inputs",
         "locked": "bed: bonded to the box, carried as mass",
         "dashpot": "bed: a coefficient, nothing in it settles",
     }
