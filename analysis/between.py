@@ -12,7 +12,7 @@ from itertools import combinations
 from typing import Any
 
 from analysis.estimate import Estimate
-from analysis.multiple import holm, one_sided_p
+from analysis.multiple import holm
 from analysis.uncertainty import combine
 
 __all__ = ["FARTHEST", "MATCHED_BY", "compare", "kendall"]
@@ -111,13 +111,12 @@ def _pair(a: Row, b: Row, same: bool) -> dict[str, Any]:
     if ratio is not None:
         scale = 1 / a["W_exp"]
         relative = _estimate(ratio - 1, [(a, -ratio * scale)], [(b, scale)], same, [_level_part(a, b) * scale])
-    p = 2 * one_sided_p(abs(difference.value) / difference.u, difference.nu) if difference.u else 1.0
     return {
         "A": a["id"], "B": b["id"], **{name: a[name] if a[name] is not None else b[name] for name in MATCHED_BY},
         "bed_A": a["bed"], "bed_B": b["bed"], "acceleration_A": a["acceleration"], "acceleration_B": b["acceleration"],
         "W_A": a["W_exp"], "U_A": a["U_W_exp"], "W_B": b["W_exp"], "U_B": b["U_W_exp"],
         "difference": difference.value, "U_difference": difference.U,
-        "E_n": difference.value / difference.U if difference.U else None, "p": p,
+        "E_n": difference.value / difference.U if difference.U else None, "p": difference.p(),
         "relative": None if relative is None else relative.value,
         "U_relative": None if relative is None else relative.U,
     }  # fmt: skip

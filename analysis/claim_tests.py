@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.conditions import Result
-from analysis.estimate import Estimate, coverage_factor
+from analysis.estimate import Estimate
 from analysis.multiple import beaten, holm, one_sided_p
 from analysis.ratio import energy_ratio
 from analysis.uncertainty import RESOLUTION, combine
@@ -228,7 +228,7 @@ def offset_within(levels: Sequence[Level], question: Question) -> Finding:
 def _t(estimate: Estimate, question: Question | None = None) -> float:
     """One-sided limit of an estimate at LEVEL, or at the level of the contradiction."""
     level = question.against if question else LEVEL
-    return coverage_factor(estimate.nu, 1 - 2 * level) * estimate.u
+    return estimate.factor(1 - 2 * level) * estimate.u
 
 
 def _listed(labels: Sequence[str]) -> str:

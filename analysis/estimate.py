@@ -1,12 +1,22 @@
 """A measured value with its standard uncertainty: what the analysis returns."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 __all__ = ["Estimate", "coverage_factor", "effective_dof"]
 
+Array = NDArray[np.float64]
+Part = tuple[float, float]  # standard uncertainty, degrees of freedom
+
 LEVEL = 0.95  # coverage probability of every expanded uncertainty
 UNBOUNDED = 1e6  # degrees of freedom beyond which nothing is told from infinity
+FEW = 30.0  # degrees of freedom below which a part's own uncertainty is an estimate from few values
+NODES = 64, 16  # of the quadratures over the two groups' variances: k is good to 3e-4 (tests)
 
 
 def coverage_factor(nu: float, level: float = LEVEL) -> float:
@@ -17,7 +27,7 @@ def coverage_factor(nu: float, level: float = LEVEL) -> float:
     return float(ndtri(p)) if math.isinf(nu) else float(stdtrit(nu, p))
 
 
-def effective_dof(parts: list[tuple[float, float]]) -> float:
+def effective_dof(parts: Sequence[Part]) -> float:
     """Welch-Satterthwaite degrees of freedom (GUM eq. G.2b) of a sum with parts (standard uncertainty, nu).
 
     Infinite where no part with finite nu contributes.
@@ -31,18 +41,105 @@ def effective_dof(parts: list[tuple[float, float]]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value, its standard uncertainty u (same unit) and the degrees of freedom nu of u (inf allowed)."""
+    """A value, its standard uncertainty u (same unit) and the effective degrees of freedom nu of u (inf allowed).
+
+    groups: (u, nu) of what was estimated from few values and of the rest, where both contribute. Their u are added in
+    quadrature, but k is not Student's at nu: where a handful of refills scatter little by chance, nu comes out large
+    beside the certificates and U too small, so that it holds the truth in 92 % instead of 95 % of the cases (3 refills,
+    certificates of half their uncertainty). k is that of the Behrens-Fisher problem instead, see _spread_of.
+    """
 
     value: float
     u: float
     nu: float
+    groups: tuple[Part, ...] = ()
+
+    @classmethod
+    def of(cls, value: float, parts: Sequence[Part]) -> "Estimate":
+        """From independent parts (standard uncertainty in the value's unit, nu), Welch-Satterthwaite within each of the
+        two groups."""
+        few, rest = ([part for part in parts if part[0] and (part[1] < FEW) == small] for small in (True, False))
+        groups = tuple((_root(group), effective_dof(group)) for group in (few, rest) if group)
+        return cls(value, _root(parts), effective_dof(parts), groups if len(groups) > 1 else ())
 
     @property
     def k(self) -> float:
         """Coverage factor for 95 %."""
-        return coverage_factor(self.nu)
+        return self.factor(LEVEL)
 
     @property
     def U(self) -> float:
         """Expanded uncertainty for 95 %."""
         return self.k * self.u if self.u else 0.0
+
+    def factor(self, level: float) -> float:
+        """Two-sided coverage factor for a level."""
+        if not self.groups:
+            return coverage_factor(self.nu, level)
+        share = (self.groups[0][0] / self.u) ** 2
+        return _factor(share, self.groups[0][1], self.groups[1][1], level)
+
+    def p(self) -> float:
+        """Two-sided p of the value against 0; 1 without uncertainty."""
+        from scipy.special import ndtr, stdtr
+
+        if not self.u:
+            return 1.0
+        t = abs(self.value) / self.u
+        if not self.groups:
+            return float(2 * (ndtr(-t) if math.isinf(self.nu) else stdtr(self.nu, -t)))
+        inverse, weights = _spread_of((self.groups[0][0] / self.u) ** 2, self.groups[0][1], self.groups[1][1])
+        return float(weights @ (2 * ndtr(-t * inverse)))
+
+
+def _root(parts: Sequence[Part]) -> float:
+    return math.sqrt(math.fsum(u * u for u, _ in parts))
+
+
+@lru_cache(maxsize=4096)
+def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
+    """k of two groups by Newton's method; from below, because the probability is concave in k."""
+    from scipy.special import ndtr
+
+    inverse, weights = _spread_of(share, nu_few, nu_rest)
+    k, change = 0.5 * coverage_factor(math.inf, level), 1.0
+    while abs(change) > 1e-9 * k:
+        inside = weights @ (2 * ndtr(k * inverse) - 1)
+        density = weights @ (inverse * np.exp(-0.5 * (k * inverse) ** 2)) * math.sqrt(2 / math.pi)
+        change = float((level - inside) / density)
+        k += change
+    return k
+
+
+def _spread_of(share: float, nu_few: float, nu_rest: float) -> tuple[Array, Array]:
+    """What an error over u is distributed like: a mixture of normals, as 1/(standard deviation) and weights.
+
+    share: of u^2 that comes from the first group. The posterior under the prior s1^-3 s2^-3 (s1^2 + s2^2) of the two
+    groups' true uncertainties s, which makes its intervals confidence intervals to second order (Ghosh and Kim, Canad.
+    J. Statist. 29, 5 (2001)). It comes out as: with the probability of its share of u^2 a group's error is Student's
+    with nu degrees of freedom, and the other's then with nu + 2 and the same variance. A group alone has Student's k.
+    """
+    variances, weights = [], []
+    for own, more in ((share, (0.0, 2.0)), (1 - share, (2.0, 0.0))):
+        few, w_few = _variances(nu_few, more[0], NODES[0])
+        rest, w_rest = _variances(nu_rest, more[1], NODES[1])
+        variances.append((share * few[:, None] + (1 - share) * rest).ravel())
+        weights.append(own * (w_few[:, None] * w_rest).ravel())
+    return 1 / np.sqrt(np.concatenate(variances)), np.concatenate(weights)
+
+
+@lru_cache(maxsize=256)
+def _variances(nu: float, more: float, nodes: int) -> tuple[Array, Array]:
+    """nu over chi^2 with nu + more degrees of freedom at the nodes of a quadrature, and their weights."""
+    from scipy.special import gammaincinv
+
+    if math.isinf(nu):
+        return np.ones(1), np.ones(1)
+    points, weights = _legendre(nodes)
+    return nu / (2 * gammaincinv((nu + more) / 2, (points + 1) / 2)), weights / 2
+
+
+@lru_cache(maxsize=2)
+def _legendre(nodes: int) -> tuple[Array, Array]:
+    points, weights = np.polynomial.legendre.leggauss(nodes)
+    return points, weights

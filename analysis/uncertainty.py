@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from analysis.correction import pole_phase
 from analysis.energy import Energy
-from analysis.estimate import Estimate, effective_dof
+from analysis.estimate import Estimate
 from analysis.runs import ChannelFacts
 
 __all__ = [
@@ -52,8 +52,7 @@ class Line:
 
 def combine(value: float, parts: Iterable[tuple[float, float]]) -> Estimate:
     """Estimate from independent parts (standard uncertainty in the value's unit, nu)."""
-    parts = list(parts)
-    return Estimate(value, math.sqrt(math.fsum(u * u for u, _ in parts)), effective_dof(parts))
+    return Estimate.of(value, list(parts))
 
 
 def certificate_lines(

@@ -175,7 +175,8 @@ def _plan(
         nu = repeats - 1.0 if repeats > 1 else np.inf
         return combine(W, [*certified, (float(np.hypot(s, noise)) / np.sqrt(repeats), nu)]).U
 
-    needed = next((m for m in range(2 if s > 0.0 else 1, MOST_REPEATS + 1) if expected(m) <= OFFSET * W), None)
+    tried = range(2 if s > 0.0 else 1, MOST_REPEATS + 1 if expected(MOST_REPEATS) <= OFFSET * W else 0)
+    needed = next((m for m in tried if expected(m) <= OFFSET * W), None)
     if n == 1 and s > 0.0:
         return None, None, needed
     factor = stdtrit(2.0 * (n - 1), CONFIDENCE) * np.sqrt(2.0 / n) if n > 1 else 0.0

@@ -82,7 +82,7 @@ class MemoryRecord:
     def __init__(self, plan: Plan, campaign: Campaign) -> None:
         tools = campaign.instruments
         self.conditions = plan.conditions
-        self._prediction = plan.prediction
+        self.documents: dict[str, Any] = {"prediction": plan.prediction}
         self._codes: dict[str, np.ndarray] = {}
         self._blocks: dict[str, np.ndarray] = {}
         self._scalars: dict[str, Mapping[str, float]] = {}
@@ -124,7 +124,11 @@ class MemoryRecord:
         return Samples(samples, int(np.bitwise_or.reduce(blocks["flags"][touched, row], initial=0)))
 
     def document(self, name: str) -> Any:
-        return self._prediction if name == "prediction" else None
+        return self.documents.get(name)
+
+    def forget(self) -> None:
+        """Drop the codes, once the runs' energies are read."""
+        self._codes.clear()
 
     def scalars(self, run: str) -> Mapping[str, float]:
         return self._scalars[run]
