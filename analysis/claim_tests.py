@@ -200,20 +200,20 @@ def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
 
 
 def nearly_zero(levels: Sequence[Level], question: Question) -> Finding:
-    """|W| is below the margin times W of the other condition: two one-sided tests (equivalence)."""
+    """|W| is below the margin times W of the other condition, with the whole interval (equivalence)."""
     if len(levels) != 2 or any(len(level.results) != 1 for level in levels):
         return Finding("", OPEN, "not both conditions were measured")
     low, full = (level.results[0].W_exp for level in levels)
     (margin,) = question.limits
     allowed = margin * full.value
-    gap = combine(allowed - abs(low.value), [(low.u, low.nu), (margin * full.u, full.nu)])
+    gap = combine(allowed - abs(low.value), [*low.parts(), *full.parts(margin)])
     verdict = HOLDS if gap.value > _t(gap) else FAILS if -gap.value > _t(gap, question) else OPEN
     why = f"W = {1e3 * low.value:.3g} mJ with U = {1e3 * low.U:.2g} mJ; {100 * margin:g} % of full is "
     return Finding(f"{100 * low.value / full.value:.2g} % of full", verdict, f"{why}{1e3 * allowed:.3g} mJ")
 
 
 def offset_within(levels: Sequence[Level], question: Question) -> Finding:
-    """sum W_exp / sum W_T - 1 lies between the limits: two one-sided tests (equivalence)."""
+    """sum W_exp / sum W_T - 1 lies between the limits, with the whole interval (equivalence)."""
     ratio = energy_ratio([result for level in levels for result in level.results])
     if ratio is None:
         return Finding("", OPEN, "no predicted energy to compare with")
@@ -226,9 +226,13 @@ def offset_within(levels: Sequence[Level], question: Question) -> Finding:
 
 
 def _t(estimate: Estimate, question: Question | None = None) -> float:
-    """One-sided limit of an estimate at LEVEL, or at the level of the contradiction."""
+    """Half width of an estimate's interval at LEVEL (the stated U), or at the level of the contradiction.
+
+    A one-sided test would allow the interval at twice the level. Refills scatter with a long upper tail, so that four
+    of them err low more often than high: at a limit from above it held falsely in 7 %, the stated interval in 5 %.
+    """
     level = question.against if question else LEVEL
-    return estimate.factor(1 - 2 * level) * estimate.u
+    return estimate.factor(1 - level) * estimate.u
 
 
 def _listed(labels: Sequence[str]) -> str:

@@ -13,7 +13,8 @@ from analysis.loop_back import LoopBack, loop_back_nulls
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
-from analysis.ratio import energy_ratio, line_through, recorded_ratio
+from analysis.ratio import energy_ratio, line_through, propagated, recorded_ratio
+from analysis.recorded import Recorded
 from analysis.references import references
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.three_comparisons import comparisons, model_row
@@ -129,8 +130,9 @@ def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> 
     W = [run.energy.W for run in result.runs]
     n = len(W)
     distortions = [d for d in (box_distortion(run, setting) for run in result.runs) if d is not None]
-    scale = result.W_T.value if result.W_T and result.comparable else None
-    difference = result.difference if scale else None
+    told = result.W_T is not None and result.comparable
+    offset = _offset(result, exp.value, result.W_T) if told else None
+    difference = result.difference if told else None
     return {
         **{name: getattr(setting, name) for name in NAMED},
         "frequency": setting.frequency, "acceleration_set": setting.acceleration_set,
@@ -147,8 +149,7 @@ def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> 
         "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
         "W_T": got.get("W_T"), "U_W_T": result.W_T.U if result.W_T else None,
         **{name: got.get(name) for name in ("W_f", "W_c", "W_T_paper", "bound", "exponent")},
-        "offset": difference.value / scale if difference and scale else None,
-        "U_offset": difference.U / scale if difference and scale else None,
+        "offset": offset.value if offset else None, "U_offset": offset.U if offset else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
         **model_row(result), **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
@@ -169,8 +170,16 @@ def _recorded(result: Result) -> dict[str, Any]:
         return dict.fromkeys(names)
     scale = found.W_T.value
     told = min(scale, result.W_exp.value) >= max(result.detect, result.W_exp.U) and scale > 0
-    offset = (found.difference.value / scale, found.difference.U / scale) if told else (None, None)
-    return dict(zip(names, (scale, found.W_T.U, *offset, _E_n(found.difference)), strict=True))
+    offset = _offset(found, result.W_exp.value, found.W_T) if told else None
+    of_W = (offset.value, offset.U) if offset else (None, None)
+    return dict(zip(names, (scale, found.W_T.U, *of_W, _E_n(found.difference)), strict=True))
+
+
+def _offset(source: Result | Recorded, W: float, W_T: Estimate | None) -> Estimate | None:
+    """W/W_T - 1 with the budget behind both: an error of W_T weighs W/W_T times as much as one of W."""
+    if W_T is None:
+        return None
+    return propagated(W / W_T.value - 1, [(source, 1 / W_T.value, -W / W_T.value**2)])
 
 
 def _run_row(run: RunEnergy) -> dict[str, Any]:

@@ -62,6 +62,10 @@ class Estimate:
         groups = tuple((_root(group), effective_dof(group)) for group in (few, rest) if group)
         return cls(value, _root(parts), effective_dof(parts), groups if len(groups) > 1 else ())
 
+    def parts(self, times: float = 1.0) -> tuple[Part, ...]:
+        """The independent parts that a multiple of it brings into another estimate."""
+        return tuple((times * u, nu) for u, nu in self.groups or ((self.u, self.nu),))
+
     @property
     def k(self) -> float:
         """Coverage factor for 95 %."""

@@ -16,6 +16,8 @@ from rig.protocol import load_protocol
 from rig.scene import Protocol
 
 DTYPE = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (2,)), ("clipped", "<u4", (2,))]
+OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
+"""Terms of the offset that are there whatever the instruments do."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from memory_session import Plan
+from memory_session import OUTSIDE_THE_INSTRUMENTS, Plan
 from scipy import stats
 
 from analysis import read_session, run_energy
@@ -35,7 +35,6 @@ INPUTS: dict[str, dict[str, object]] = {
 start: a millirad that decays, which the loop of a cycle does not see. 19 rows are the grains side by side: fewer and
 heavier rows hit so hard that a ringing IEPE sensor clips (4 rows at 4 m/s^2: -3 % of W), which no budget holds."""
 PLANS = {f"{name}, {n} refills": TEXT.format(repeats=n, **more) for name, more in INPUTS.items() for n in (4, 3)}
-OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
 BAND = 0.999
 
 
