@@ -8,10 +8,18 @@ from scipy import stats
 from analysis.claim_tests import TESTS, Level, Question
 from analysis.claims import judge
 
-TRIALS = 400
-MOST = int(stats.binom.ppf(0.999, TRIALS, 0.05))
-"""A test at 5 % is wrong more often than this in 0.1 % of all seeds."""
 S, N = 0.05, 4  # scatter of ln W between runs, runs of a condition
+
+
+@pytest.fixture(params=[400, pytest.param(2000, marks=pytest.mark.slow)])
+def trials(request):
+    """How many cases are drawn."""
+    return request.param
+
+
+def most(trials):
+    """A test at 5 % is wrong more often than this in 0.1 % of all seeds."""
+    return int(stats.binom.ppf(0.999, trials, 0.05))
 
 
 def runs(rng, ln_W, s=S, n=N):
@@ -22,37 +30,37 @@ def levels_of(rng, ln_Ws, s=S):
     return [Level(str(i), (result(runs(rng, ln_W, s)),)) for i, ln_W in enumerate(ln_Ws)]
 
 
-def wrong(kind, question, draw, verdict, seed=1):
-    """How many of TRIALS drawn cases get a verdict."""
-    rng = np.random.default_rng(seed)
-    return sum(TESTS[kind](draw(rng), question).verdict == verdict for _ in range(TRIALS))
+def wrong(kind, question, draw, verdict, trials):
+    """How many of the drawn cases get a verdict."""
+    rng = np.random.default_rng(1)
+    return sum(TESTS[kind](draw(rng), question).verdict == verdict for _ in range(trials))
 
 
-def test_a_false_best_is_rare():
+def test_a_false_best_is_rare(trials):
     """Value 1 is claimed; value 2 is better by nothing that can be told: the worst case for a false `holds`."""
     for means in ((0, 1, 1.001), (0.9, 1, 1.001, 0.9, 1.001), (1, 1, 1.001, 1, 1, 1)):
-        found = wrong("optimum", Question(("1",), (), 1), lambda rng, m=means: levels_of(rng, m), "holds")
-        assert found <= MOST, means
+        found = wrong("optimum", Question(("1",), (), 1), lambda rng, m=means: levels_of(rng, m), "holds", trials)
+        assert found <= most(trials), means
 
 
-def test_a_true_best_is_rarely_denied():
+def test_a_true_best_is_rarely_denied(trials):
     """Value 1 is best by a hair, in four cases: any of them may deny it, each at 5 % over their number."""
     question = Question(("1",), (), 4)
     rng = np.random.default_rng(2)
     denied = sum(
         any(TESTS["optimum"](levels_of(rng, (1, 1.001, 1, 0)), question).verdict == "does not hold" for _ in range(4))
-        for _ in range(TRIALS // 2)
+        for _ in range(trials // 2)
     )
-    assert denied <= stats.binom.ppf(0.999, TRIALS // 2, 0.05)
+    assert denied <= most(trials // 2)
 
 
 @pytest.mark.parametrize(("kind", "sign"), [("order", 1), ("rise", 1), ("fall", -1)])
-def test_a_false_order_is_rare(kind, sign):
+def test_a_false_order_is_rare(kind, sign, trials):
     """One step is flat, the others are clear; and where every step is flat, the opposite is rarely found either."""
     question = Question(("0", "3"), (), 1)
     steps = sign * np.array([0, 1, 1, 2.0])
-    assert wrong(kind, question, lambda rng: levels_of(rng, steps), "holds") <= MOST
-    assert wrong(kind, question, lambda rng: levels_of(rng, [0, 0, 0, 0]), "does not hold") <= MOST
+    assert wrong(kind, question, lambda rng: levels_of(rng, steps), "holds", trials) <= most(trials)
+    assert wrong(kind, question, lambda rng: levels_of(rng, [0, 0, 0, 0]), "does not hold", trials) <= most(trials)
 
 
 def power_law(rng, n):
@@ -63,14 +71,14 @@ def power_law(rng, n):
     ]
 
 
-def test_a_false_nonlinearity_is_rare():
+def test_a_false_nonlinearity_is_rare(trials):
     question = Question((), (0.1,), 1)
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "holds") <= MOST
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 1.9), "holds") <= MOST
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "does not hold") <= MOST
+    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "holds", trials) <= most(trials)
+    assert wrong("nonlinear", question, lambda rng: power_law(rng, 1.9), "holds", trials) <= most(trials)
+    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "does not hold", trials) <= most(trials)
 
 
-def test_a_false_zero_is_rare():
+def test_a_false_zero_is_rare(trials):
     """At exactly 2 % of full W neither verdict is more frequent than its level."""
 
     def draw(rng):
@@ -87,11 +95,11 @@ def test_a_false_zero_is_rare():
         ]
 
     for verdict in ("holds", "does not hold"):
-        assert wrong("nearly_zero", Question(("e", "f"), (0.02,), 1), draw, verdict) <= MOST
+        assert wrong("nearly_zero", Question(("e", "f"), (0.02,), 1), draw, verdict, trials) <= most(trials)
 
 
 @pytest.mark.parametrize("offset", [0.055, 0.085])
-def test_a_false_seven_per_cent_is_rare(offset):
+def test_a_false_seven_per_cent_is_rare(offset, trials):
     """At exactly a limit, with a scale error that is common to all conditions."""
 
     def draw(rng, u=0.004):
@@ -101,7 +109,7 @@ def test_a_false_seven_per_cent_is_rare(offset):
         return [Level("", tuple(made))]
 
     for verdict in ("holds", "does not hold"):
-        assert wrong("offset_within", Question((), (0.055, 0.085), 1), draw, verdict) <= MOST
+        assert wrong("offset_within", Question((), (0.055, 0.085), 1), draw, verdict, trials) <= most(trials)
 
 
 def test_clear_cases_are_told():
