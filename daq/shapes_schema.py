@@ -1,5 +1,6 @@
 """Shapes as JSON Schema (draft 2020-12), so that tools of others can check what `daq.shapes.deviations` checks."""
 
+import math
 from typing import Any
 
 from daq.shapes import LARGEST, Choice, Each, Either, Keys, List, Null, Number, Shape, Text, YesNo
@@ -20,7 +21,8 @@ def json_schema(shape: Shape) -> dict[str, Any]:
             words: dict[str, Any] = {"enum": [*shape.words, *([None] if shape.null else [])]}
             return words if shape.words else {"type": ["string", "null"] if shape.null else "string"}
         case List():
-            return {"type": "array", "items": json_schema(shape.item), "minItems": shape.least}
+            most = {} if math.isinf(shape.most) else {"maxItems": shape.most}
+            return {"type": "array", "items": json_schema(shape.item), "minItems": shape.least} | most
         case Each():
             return {"type": "object", "additionalProperties": json_schema(shape.item)}
         case Either():

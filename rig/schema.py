@@ -35,13 +35,13 @@ def protocol_schema() -> dict[str, Any]:
     for name in known:
         properties.setdefault(name, {})
     for name in (*PARTS, "rig", "question", "seed", "mistake", "fidelity", "tolerance"):
-        properties[name] = _with_default(Protocol, name, of(known[name]))
+        properties[name] = with_default(Protocol, name, of(known[name]))
     whole = of(grammar(known["repeats"])["n"])
     properties["repeats"] = {"anyOf": [whole, {"$ref": "#/$defs/Repeats"}], "default": 4}
     properties["vary"] = _axes()
     properties["faults"] = {"type": "array", "items": _fault()}
     properties["expect"] = {"type": "array", "items": _claim()}
-    kinds = {kind.__name__: _object(kind) for kind in _groups(Protocol)}
+    kinds = {kind.__name__: object_of(kind) for kind in groups(Protocol)}
     return {
         "$schema": DRAFT,
         "title": f"Protocol of the particle-damper rig, {SCHEMA}",
@@ -97,16 +97,16 @@ def _escaped(unit: str) -> str:
     return "".join(r"\s+" if c == " " else f"\\{c}" if c in "^*/()" else c for c in unit)
 
 
-def _object(kind: type) -> dict[str, Any]:
+def object_of(kind: type) -> dict[str, Any]:
     """The schema of a dataclass: its fields and no others, with their defaults."""
     known = grammar(kind)
     found: dict[str, Any] = {"type": "object", "description": " ".join((kind.__doc__ or "").split())}
-    found["properties"] = {name: _with_default(kind, name, of(annotation)) for name, annotation in known.items()}
+    found["properties"] = {name: with_default(kind, name, of(annotation)) for name, annotation in known.items()}
     needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
     return found | ({"required": needed} if needed else {}) | {"additionalProperties": False}
 
 
-def _with_default(kind: type, name: str, schema: dict[str, Any]) -> dict[str, Any]:
+def with_default(kind: type, name: str, schema: dict[str, Any]) -> dict[str, Any]:
     """The schema with the field's default; a group's stand at its own fields."""
     default = next(item.default for item in fields(kind) if item.name == name)
     if default is MISSING or is_dataclass(default):
@@ -114,12 +114,12 @@ def _with_default(kind: type, name: str, schema: dict[str, Any]) -> dict[str, An
     return schema | {"default": plain(grammar(kind)[name], default)}
 
 
-def _groups(kind: type) -> Iterator[type]:
+def groups(kind: type) -> Iterator[type]:
     """Every dataclass inside another, by way of plain fields."""
     for annotation in grammar(kind).values():
         if isinstance(annotation, type) and is_dataclass(annotation):
             yield annotation
-            yield from _groups(annotation)
+            yield from groups(annotation)
 
 
 def _name() -> dict[str, Any]:
@@ -165,7 +165,7 @@ def _fault() -> dict[str, Any]:
     kinds = get_args(grammar(Fault)["kind"])
     rules = [{"if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}, "then": size(kind)}
              for kind in kinds]  # fmt: skip
-    return _object(Fault) | {"allOf": rules}
+    return object_of(Fault) | {"allOf": rules}
 
 
 def _claim() -> dict[str, Any]:

@@ -1,4 +1,5 @@
-"""The shape of report.json (schema rig/agreement/1), for readers that are not ours: docs/report.md has the meanings.
+"""The shapes of report.json (schema rig/agreement/1) and comparison.json (rig/comparison/1), for readers that are not
+ours: docs/report.md has the meanings.
 
 SI units, energies in J per cycle. Null stands for what is not known. Further keys may be added under the same schema;
 those that are required here stay.
@@ -7,12 +8,13 @@ those that are required here stay.
 from collections.abc import Mapping
 from typing import Any
 
+from analysis import between
 from analysis.comparison import SCHEMA
 from analysis.offset import TERMS
 from daq.shapes import Either, Keys, List, Null, Number, Shape, Text, YesNo
 from daq.shapes_schema import json_schema
 
-__all__ = ["REPORT", "report_schema"]
+__all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 VALUE, KNOWN = Number(), Number(null=True)
@@ -146,6 +148,46 @@ REPORT = Keys(
         "resolved": Keys({}, {"protocol": Text(), "rig": Text()}),
     },
 )
+
+SESSION = Keys(
+    _all(
+        {"protocol": Text(), "synthetic": YesNo(), "verdict": Text(("passes", "fails"))},
+        {"beds": WORDS, "drives": WORDS, "conditions": Number(0, whole=True), "ratio": KNOWN, "U_ratio": SIZE},
+    )
+)
+PAIR = Keys(
+    _all(
+        _each("A B material bed_A bed_B", Text()),
+        _each("density diameter fill frequency acceleration_set acceleration_A acceleration_B U_relative", SIZE),
+        _each("W_A W_B difference", VALUE),
+        _each("U_A U_B U_difference", Number(0.0)),
+        _each("E_n relative", KNOWN),
+        _each("p p_holm", SHARE),
+        {"significant": YesNo()},
+    )
+)
+OVERALL = Keys(
+    {"relative": VALUE, "U": Number(0.0), "k": Number(0.0), "nu": SIZE, "n": Number(1, whole=True)}, null=True
+)
+TAU = Number(-1.0, 1.0, null=True)
+RANKS = Keys(
+    _all(
+        _each("n orders opposite", Number(0, whole=True)),
+        {"tau": TAU, "interval": Either(Null(), List(TAU, 2, 2)), "decided_opposite": WORDS},
+    )
+)
+COMPARED = Keys(
+    _all(
+        {"schema": Text((between.SCHEMA,)), "sessions": List(SESSION, 2, 2), "matched_by": WORDS},
+        {"same_instruments": YesNo(), "pairs": List(PAIR), "overall": OVERALL, "ranks": RANKS},
+        {"alone": List(Keys({"session": Text(("A", "B")), **_each("id why", Text())}))},
+    )
+)
+
+
+def comparison_schema() -> Mapping[str, Any]:
+    """The JSON Schema of comparison.json."""
+    return {"$schema": DRAFT, "title": f"Two sessions compared, {between.SCHEMA}", **json_schema(COMPARED)}
 
 
 def report_schema() -> Mapping[str, Any]:

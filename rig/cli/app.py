@@ -310,11 +310,11 @@ def catalog(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="protocol or report.")] = "protocol",
+    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="protocol, report, comparison or map.")] = "protocol",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Print the JSON Schema of protocols or of report.json, for editors and for readers of reports.
+    """Print a JSON Schema for editors (protocol, map of an import) or for readers of report.json and comparison.json.
 
     Example: rig schema protocol --out protocol.schema.json
     """
