@@ -115,14 +115,20 @@ def _log(result: Result) -> float:
     return math.log(max(result.W_exp.value, 0.0) + max(result.detect, result.W_exp.U, 1e-300))
 
 
-NO_REPEATS = Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
+def _without_scatter(levels: Sequence[Level]) -> Finding:
+    """Why nothing can be compared."""
+    if len(levels) < 2:
+        return Finding("", OPEN, f"only one value was measured, {levels[0].label}: nothing to compare it with")
+    if any(len(result.runs) > 1 for level in levels for result in level.results):
+        return Finding("", OPEN, "no repeated condition stands out of what the instruments can tell")
+    return Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
 
 
 def optimum(levels: Sequence[Level], question: Question) -> Finding:
     """The values named are the only ones not beaten by another (multiple comparisons with the best)."""
     found = logs(levels)
     if found is None:
-        return NO_REPEATS
+        return _without_scatter(levels)
     labels = [level.label for level in levels]
     top = max(range(len(labels)), key=found.means.__getitem__)
     out, out_for_sure = (
@@ -162,7 +168,7 @@ def falling(levels: Sequence[Level], question: Question) -> Finding:
 def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
     found = logs(levels)
     if found is None:
-        return NO_REPEATS
+        return _without_scatter(levels)
     pairs = [(i, i + 1) for i in range(len(levels) - 1)]
     if not pairs or not set(question.values) <= {level.label for level in levels}:
         return Finding("", OPEN, "not all values named were measured")

@@ -86,9 +86,10 @@ def _test(
 ) -> Null:
     found = min(len(levels), len({run.condition for run in empty}))
     if found < LEVELS:
+        measured = f"only {found} level{'s' * (found > 1)} with this bed and with the empty box"
         why = (
-            f"{found} levels are measured both with this bed and with the empty box: "
-            f"at least {LEVELS} are needed to tell an angle from friction"
+            f"{measured if found else 'the empty box was not measured beside it'}: "
+            f"at least {LEVELS} levels of both are needed to tell an angle from friction"
         )
         return Null(kind, mass, frequency, len(levels), None, "undecided", why)
     alpha = _growth([run for runs in levels for run in runs], empty)

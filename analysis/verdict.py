@@ -1,12 +1,14 @@
 """Whether a session passes: ledger, nulls, references, record quality, chain comparison. Claims never decide it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from analysis.conditions import Result
 from analysis.nulls import Null
 from analysis.quality import SUSPECT
 from analysis.references import Reference
+from analysis.words import counted
 
 __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
 
@@ -39,7 +41,7 @@ def verdict(
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     checks = [
-        _ledger(results, closure), *map(_null, nulls), *map(_reference, references), _faults(faulted, left_out),
+        _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
         _chain(chain, share), _repeats(results), (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
@@ -61,19 +63,49 @@ def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str
     return good, f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative."
 
 
-def _null(null: Null) -> tuple[bool, str]:
-    words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[null.verdict]
-    test = "The loop-back" if null.null == "loop-back" else f"The null test with the {null.null} bed"
-    return null.verdict != "does not hold", f"{test} {words}: {null.why}."
+def _nulls(nulls: Sequence[Null]) -> Iterator[tuple[bool, str]]:
+    """A sentence for each kind of bed and verdict: the null whose angle is the largest share of its U stands for the
+    others."""
+
+    def share(null: Null) -> float:
+        return abs(null.dphi.value) / null.dphi.U if null.dphi and null.dphi.U else 0.0
+
+    for name, same in _alike(nulls, lambda null: (null.null, null.verdict)):
+        test = "The loop-back" if name[0] == "loop-back" else f"The null test with the {name[0]} bed"
+        yield name[1] != "does not hold", f"{test} {_told(name[1], same, share)}."
 
 
-def _reference(reference: Reference) -> tuple[bool, str]:
-    """A reference that holds is told where something was measured; the signs are told only where they are wrong."""
-    good = reference.verdict != "does not hold"
-    words = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided"}[reference.verdict]
-    if good and reference.value is None:
-        return True, ""
-    return good, f"The reference {reference.reference} ({reference.of}) {words}: {reference.why}."
+def _references(references: Sequence[Reference]) -> Iterator[tuple[bool, str]]:
+    """As _nulls. A reference that holds is told where something was measured; the signs only where they are wrong."""
+    told = [each for each in references if each.value is not None or each.verdict == "does not hold"]
+
+    def share(each: Reference) -> float:
+        known = each.value is not None and each.expected is not None and each.U
+        return abs((each.value or 0.0) - (each.expected or 0.0)) / (each.U or 1.0) if known else 0.0
+
+    for name, same in _alike(told, lambda each: (each.reference, each.of, each.verdict)):
+        yield name[2] != "does not hold", f"The reference {name[0]} ({name[1]}) {_told(name[2], same, share)}."
+
+
+T = TypeVar("T", Null, Reference)
+
+
+def _alike(each: Sequence[T], key: Callable[[T], tuple[str, ...]]) -> Iterator[tuple[tuple[str, ...], list[T]]]:
+    """Groups of equal keys in the order of first appearance."""
+    groups: dict[tuple[str, ...], list[T]] = {}
+    for item in each:
+        groups.setdefault(key(item), []).append(item)
+    return iter(groups.items())
+
+
+def _told(verdict: str, same: Sequence[T], share: Callable[[T], float]) -> str:
+    words = "is undecided" if verdict == "undecided" else verdict
+    worst = max(same, key=share)
+    if len(same) == 1:
+        return f"{words}: {worst.why}"
+    return f"{words} in {len(same)} cases, most narrowly: {worst.why}" if share(worst) else (
+        f"{words} in {len(same)} cases: {worst.why}"
+    )  # fmt: skip
 
 
 def _faulted(flags: Sequence[str]) -> bool:
@@ -84,9 +116,11 @@ def _faulted(flags: Sequence[str]) -> bool:
 
 def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:
     if left_out:
-        return False, f"{len(left_out)} run(s) cannot be used; the first: {left_out[0]['why']}."
+        return False, f"{counted(len(left_out), 'run')} cannot be used; the first: {left_out[0]['why']}."
     if faulted:
-        return False, f"{len(faulted)} run(s) are overloaded or faulted, the first is {faulted[0]}."
+        if len(faulted) == 1:
+            return False, f"1 run is overloaded or faulted: {faulted[0]}."
+        return False, f"{len(faulted)} runs are overloaded or faulted, the first is {faulted[0]}."
     return True, "No run is overloaded or faulted."
 
 
@@ -102,4 +136,5 @@ def _repeats(results: Sequence[Result]) -> tuple[bool, str]:
     single = sum(len(r.runs) == 1 for r in results)
     if not single:
         return True, ""
-    return True, f"{single} condition(s) have a single run: their U holds nothing of the scatter between refills."
+    them = f"{counted(single, 'condition')} {'has' if single == 1 else 'have'} a single run"
+    return True, f"{them}: U holds nothing of the scatter between refills there."

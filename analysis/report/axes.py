@@ -16,8 +16,8 @@ BLUE, ORANGE, GREEN, GREY, INK = "#0072b2", "#d55e00", "#007a5a", "#8a8a8a", "#1
 SERIES = (BLUE, "#b87700", GREEN, "#b3578a", "#3a93c9", "#000000", ORANGE, "#767622")
 MARKERS = "osD^v"
 
-WIDTH, HEIGHT = 352.0, 236.0
-LEFT, RIGHT, TOP, BOTTOM = 56.0, 8.0, 24.0, 40.0
+WIDTH, HEIGHT = 356.0, 236.0
+LEFT, RIGHT, TOP, BOTTOM = 66.0, 8.0, 24.0, 40.0
 NEAR = 20.0  # of a signed logarithmic axis: linear within
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
@@ -50,7 +50,8 @@ def logarithmic(values: Iterable[float]) -> Scale:
     """A logarithmic axis around positive values, a little wider."""
     low, high = _ends(value for value in values if value > 0)
     low, high = (low, high) if low > 0 else (0.1, 10.0)
-    low, high = low / 1.15, high * 1.15
+    room = 1.15 if high > 1.5 * low else 3.0  # a single value: wide enough for ticks beside it
+    low, high = low / room, high * room
     first, decades = math.log(low), math.log(high) - math.log(low)
     found = [
         digit * 10.0**power

@@ -8,11 +8,12 @@ from typing import Any
 
 from analysis.between import FARTHEST
 from analysis.report.axes import BLUE, GREY, INK, ORANGE, Panel, legend, linear, logarithmic
-from analysis.report.cells import Cell, Table, fixed, number, significant, with_U
+from analysis.report.cells import UNKNOWN, Cell, Table, fixed, number, with_U
 from analysis.report.drawing import Plot
 from analysis.report.html import page
 from analysis.report.markdown import plain, section_texts
 from analysis.report.sections import Section
+from analysis.words import counted
 
 __all__ = ["comparison_sentences", "write_comparison"]
 
@@ -110,10 +111,12 @@ def _basis(found: Found) -> str:
         if found["same_instruments"]
         else "The instruments of the two sessions are taken for different ones: their errors do not cancel."
     )
+    left_out = len(found["alone"])
+    alone = f"{counted(left_out, 'condition')} {'is' if left_out == 1 else 'are'}" if left_out else "No condition is"
     keys = ", ".join(NAMES[name] for name in found["matched_by"])
     return (
-        f"Matched by {keys}, where both know them; bed and drive may differ. {len(found['alone'])} condition(s) are "
-        f"left out. {same} Levels up to {100 * FARTHEST:.0f} % apart are matched; what they differ by is in U."
+        f"Matched by {keys}, where both know them; bed and drive may differ. {alone} left "
+        f"out. {same} Levels up to {100 * FARTHEST:.0f} % apart are matched; what they differ by is in U."
     )
 
 
@@ -165,9 +168,8 @@ def _pairs(found: Found) -> Table:
             "B − A, mJ", "B − A, %", "E_n", "p, Holm", "significant")  # fmt: skip
     rows = tuple(
         (
-            Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), number(row["fill"], 4, 100),
-            number(row["frequency"], 4),
-            number(row["acceleration_set"], 4), Cell(row["bed_A"]), Cell(row["bed_B"]),
+            Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), _setting(row["fill"], 100), _setting(row["frequency"]),
+            _setting(row["acceleration_set"]), Cell(row["bed_A"]), Cell(row["bed_B"]),
             with_U(row["W_A"], row["U_A"], 1e3), with_U(row["W_B"], row["U_B"], 1e3),
             with_U(row["difference"], row["U_difference"], 1e3), with_U(row["relative"], row["U_relative"], 100),
             fixed(row["E_n"], 2), number(row["p_holm"], 2), Cell("yes" if row["significant"] else "no"),
@@ -178,8 +180,13 @@ def _pairs(found: Found) -> Table:
     return Table("Matched conditions", note, head, rows)
 
 
+def _setting(value: float | None, scale: float = 1.0) -> Cell:
+    """A setting as it was written, no more digits."""
+    return UNKNOWN if value is None else Cell(f"{scale * value:.4g}", scale * value)
+
+
 def _grains(row: Found) -> str:
-    size = "" if row["diameter"] is None else f" {significant(1e3 * row['diameter'], 3)} mm"
+    size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:.4g} mm"
     return f"{row['material']}{size}"
 
 

@@ -45,7 +45,10 @@ def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
 
 def fixed(value: float | None, places: int) -> Cell:
     """A number to so many decimal places; a dash where it is not known."""
-    return UNKNOWN if value is None else Cell(f"{value:.{places}f}", value)
+    if value is None:
+        return UNKNOWN
+    text = f"{value:.{places}f}"
+    return Cell(text if float(text) else text.removeprefix("-"), value)
 
 
 def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:

@@ -8,6 +8,7 @@ import numpy as np
 from analysis.report.axes import BLUE, GREY, INK, MARKERS, ORANGE, SERIES, Panel, legend, linear, logarithmic
 from analysis.report.cells import number
 from analysis.report.drawing import Plot
+from analysis.words import counted
 
 __all__ = ["repeats_plot", "waveform_plot"]
 
@@ -81,12 +82,12 @@ def repeats_plot(report: Row) -> Plot | None:
     ]
     if told:
         drift = Panel(linear([x for x, _ in told]), linear([0.0, *(y for _, y in told)]), "order of the runs",
-                      "W over the condition's mean, − 1, %", "Every run")  # fmt: skip
+                      "W over its mean − 1, %", "Every run")  # fmt: skip
         drift.level(0.0, INK, 0.8)
         drift.dots([x for x, _ in told], [y for _, y in told], BLUE, radius=2.5)
         panels.append(drift.drawing())
     alt = (
-        f"W of every cycle in {len(runs)} run(s) of {found['condition']}"
+        f"W of every cycle in {counted(len(runs), 'run')} of {found['condition']}"
         + (f", and of {len(told)} runs over the mean of their condition in the order they were made" if told else "")
         + ": a trend would show what had not settled, or drift. The numbers are in report.json."
     )

@@ -5,6 +5,7 @@ from typing import Any
 
 from analysis.report.axes import BLUE, GREY, MARKERS, ORANGE, SERIES, Panel, Scale, legend, linear, logarithmic
 from analysis.report.drawing import Drawing, Plot
+from analysis.words import counted
 
 __all__ = ["AXES", "energy_plots", "swept"]
 
@@ -20,6 +21,7 @@ AXES: dict[str, tuple[str, float]] = {
 UNITS = {"diameter": ("mm", 1e3), "fill": ("%", 100.0), "frequency": ("Hz", 1.0), "acceleration_set": ("m/s²", 1.0),
          "density": ("g/cm³", 1e-3)}  # fmt: skip
 MOST_PANELS = 12
+SAME = 2e-3  # relative
 MOST_SERIES = len(SERIES)
 MARKS = [
     ("o", BLUE, "W_exp measured, with U (95 %)"), ("run", BLUE, "single runs"), ("line", ORANGE, "W_T predicted"),
@@ -29,7 +31,7 @@ MARKS = [
 
 def energy_plots(report: Row) -> tuple[Plot, ...]:
     """W against a for each fill, size, density or frequency, linear and logarithmic; W against what else was varied."""
-    rows: list[Row] = report["conditions"]
+    rows = _snapped(report["conditions"])
     if not rows:
         return ()
     if len(rows) == 1:
@@ -42,6 +44,19 @@ def energy_plots(report: Row) -> tuple[Plot, ...]:
     elif not found:
         found.append(_beds(rows))
     return tuple(found)
+
+
+def _snapped(rows: Sequence[Row]) -> list[Row]:
+    """The conditions with settings that agree within SAME made equal: a frequency or level that was found in a record
+    is never twice the same."""
+    found = [dict(row) for row in rows]
+    for name in AXES:
+        last: float | None = None
+        for row in sorted((row for row in found if row[name] is not None), key=lambda row: float(row[name])):
+            if last is not None and row[name] <= last * (1 + SAME):
+                row[name] = last
+            last = row[name]
+    return found
 
 
 def swept(rows: Sequence[Row]) -> str:
@@ -77,15 +92,16 @@ def _against_acceleration(rows: Sequence[Row], log: bool) -> Plot:
     panels = [legend(MARKS), *(_panel(mine, "acceleration_set", label, log) for label, mine in shown)]
     what = "logarithmic axes" if log else "linear axes"
     alt = (
-        f"Energy per cycle against acceleration, {len(shown)} panel(s), {what}: measured means with 95 % uncertainty "
-        "bars and single runs, W_T as a line with its band, W_detect in grey." + _rest(len(groups) - len(shown))
+        f"Energy per cycle against acceleration, {counted(len(shown), 'panel')}, {what}: measured means with 95 % "
+        "uncertainty bars and single runs, W_T as a line with its band, W_detect in grey."
+        + _rest(len(groups) - len(shown))
     )
-    title = "Energy against acceleration" + (", logarithmic" if log else "")
+    title = "Energy against acceleration" + (" on logarithmic axes" if log else "")
     return Plot("energy_log" if log else "energy", title, alt, tuple(panels))
 
 
 def _rest(count: int) -> str:
-    more = f" {count} more group(s) are in the table only." if count > 0 else ""
+    more = f" {counted(count, 'more group')}: in the table only." if count > 0 else ""
     return f"{more} The numbers are in the table of conditions."
 
 
@@ -157,8 +173,8 @@ def _single(row: Row) -> Plot:
     if predicted:
         panel.bars([2], [1e3 * row["W_T"]], [1e3 * row["U_W_T"]], ORANGE, "D")
     alt = (
-        f"Energy per cycle of the only condition, {row['id']}: {len(runs)} single run(s), their mean with its 95 % "
-        "uncertainty, and the predicted energy with its own. The numbers are in the table of conditions."
+        f"Energy per cycle of the only condition, {row['id']}: {counted(len(runs), 'single run')}, the mean with its "
+        "95 % uncertainty, and the predicted energy with its own. The numbers are in the table of conditions."
     )
     return Plot("energy", "Energy per cycle", alt, (panel.drawing(),), across=1)
 

@@ -15,6 +15,7 @@ from analysis.report.style import CSS, SORT
 __all__ = ["html_text", "page"]
 
 LONG = 40  # characters: longer cells may wrap
+WIDE = 18  # characters: longer words take a line of a phone's card
 
 
 def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
@@ -75,7 +76,7 @@ def _figure(plot: Plot, titled: bool = True) -> str:
         f"<figure><div class='panels'>{panels}</div><figcaption class='note'>{escape(plot.alt)}</figcaption></figure>"
     )
     if plot.name.endswith("_log"):
-        return f"<details><summary>{escape(plot.title)}</summary>{drawn}</details>"
+        return f"<details class='switch'><summary>{escape(plot.title)}</summary>{drawn}</details>"
     return f"<h3>{escape(plot.title)}</h3>{drawn}" if titled else drawn
 
 
@@ -103,6 +104,6 @@ def _cell(cell: Cell) -> str:
     if cell.value is None and cell.numeric:
         return f"<td class='n'>{escape(cell.text)}</td>"
     if cell.value is None:
-        wrap = " class='t'" if len(cell.text) > LONG else ""
+        wrap = " class='t'" if len(cell.text) > LONG else " class='w'" if len(cell.text) > WIDE else ""
         return f"<td{wrap}>{escape(cell.text)}</td>"
     return f"<td class='n' data-v='{cell.value:.17g}'>{escape(cell.text)}</td>"

@@ -16,6 +16,7 @@ from analysis.report.axes import (
     signed_logarithmic,
 )
 from analysis.report.drawing import Plot
+from analysis.words import counted
 
 __all__ = ["bland_altman", "nulls_plot", "offset_plot", "terms_plot", "weighted_terms"]
 
@@ -38,9 +39,9 @@ def offset_plot(report: Row) -> Plot | None:
     panel.level(0.0, INK)
     panel.bars(W, offset, U, BLUE)
     alt = (
-        f"Offset of the measured from the predicted energy in {len(rows)} conditions, per cent with 95 % uncertainty "
-        "bars, against W_T on a logarithmic axis; the vertical axis is linear within ±20 % and logarithmic beyond. The "
-        "energy-weighted offset is a line with its band. The numbers are in the table of conditions."
+        f"Offset of the measured from the predicted energy in {counted(len(rows), 'condition')}, per cent with 95 % "
+        "uncertainty bars, against W_T on a logarithmic axis; the vertical axis is linear within ±20 % and logarithmic "
+        "beyond. The energy-weighted offset is a line with its band. The numbers are in the table of conditions."
     )
     words = [("o", BLUE, "W_exp/W_T − 1, with U (95 %)"), ("line", ORANGE, "energy-weighted, with U (95 %)")]
     return Plot("offset", "Offset against W_T", alt, (legend(words), panel.drawing()), across=1)

@@ -3,11 +3,14 @@
 from typing import Any
 
 from analysis.offset import TERMS
-from analysis.report.cells import UNKNOWN, Cell, Table, number, significant
+from analysis.report.cells import UNKNOWN, Cell, Table, fixed, number, significant
 
 __all__ = ["causes", "offset_terms"]
 
 Report = dict[str, Any]
+
+LOSSES = ("noise", "air", "gas", "guide friction", "cords")
+"""Causes that the protocol switches on."""
 
 
 def offset_terms(report: Report) -> Table:
@@ -39,15 +42,27 @@ def causes(report: Report) -> Table:
         "cause", "law", "in this run", "% of W_T", "power of a", "power of mass", "power of fill",
         "left empty, % of full", "left locked, % of full", "in words",
     )  # fmt: skip
+    told = report["causes"]
+    losses = [row for row in told if row["cause"] in LOSSES]
+    off = report["synthetic"] and bool(losses) and not any(row["in_run"] for row in losses)
+    shown = [row for row in told if row["in_run"]] if off else told
     rows = tuple(
         (
             Cell(row["cause"]), Cell(row["law"]), Cell("yes" if row["in_run"] else "no, computed"),
-            number(row["share"], 2, 100), *map(_power, row["grows_with"].values()),
+            _left(row["share"], "run" if row["in_run"] else "computed"), *map(_power, row["grows_with"].values()),
             _left(row["empty"], row["empty_from"]), _left(row["locked"], row["locked_from"]),
             Cell(" ".join(filter(None, (row["words"], f"Here: {row['note']}." if row["note"] else "")))),
         )
-        for row in report["causes"]
+        for row in shown
     )  # fmt: skip
+    if off:
+        note = (
+            "What could put W_exp above W_T. All losses of the box are switched off in this run (losses: []), so that "
+            "only the instruments are left: the powers of acceleration, moving mass and fill with which they grow, and "
+            "what they leave in the empty and in the locked box, over the largest W_T at the same level (in brackets: "
+            "computed)."
+        )
+        return Table("Causes of an offset", note, head, rows)
     note = (
         "What could put W_exp above W_T, and how to tell: the powers of acceleration, moving mass and fill with which "
         "it grows, fitted over conditions that differ in nothing else, and what it leaves in the empty and in the "
@@ -58,7 +73,7 @@ def causes(report: Report) -> Table:
 
 
 def _percent(value: float) -> Cell:
-    return Cell(f"{100 * value:.2f}", 100 * value)
+    return fixed(100 * value, 2)
 
 
 def _power(exponent: float | None) -> Cell:

@@ -24,11 +24,17 @@ figure { margin: 0; }
 .panels { display: flex; flex-wrap: wrap; gap: .75rem; }
 .panels svg { display: block; max-width: 100%; height: auto; }
 h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+.switch > summary { display: inline-block; list-style: none; border: 1px solid var(--soft); border-radius: .4rem;
+  padding: .3rem .8rem; background: #f1f3f5; }
+.switch > summary::-webkit-details-marker { display: none; }
+.switch > summary::before { content: "Show: "; }
+.switch[open] > summary::before { content: "Hide: "; }
+.switch > summary:focus-visible { outline: 2px solid #0072b2; outline-offset: 2px; }
 summary { cursor: pointer; font-weight: 600; margin: .8rem 0; }
 pre { font-size: .75rem; white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f7f8; padding: .75rem; }
 table { border-collapse: collapse; font-size: .8125rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .5rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
-th { border-bottom-color: var(--soft); white-space: nowrap; vertical-align: bottom; }
+th { border-bottom-color: var(--soft); vertical-align: bottom; }
 td { white-space: nowrap; }
 td.t { min-width: 16rem; max-width: 32rem; white-space: normal; overflow-wrap: break-word; }
 td.n { text-align: right; }
@@ -44,12 +50,13 @@ code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
   thead tr { display: flex; flex-wrap: wrap; gap: .1rem .9rem; border-bottom: 1px solid var(--soft); }
   thead tr::before { content: "Sort by:"; color: var(--soft); }
   th { display: block; border: 0; padding: .1rem 0; }
-  tbody tr { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1rem; padding: .4rem 0;
+  tbody tr { display: grid; grid-template-columns: 1fr 1fr; gap: 0 .7rem; padding: .4rem 0;
     border-bottom: 1px solid var(--line); }
   td, td.n, td.t { display: block; border: 0; padding: 0; text-align: left; white-space: normal; min-width: 0;
     max-width: none; overflow-wrap: anywhere; }
-  td:not(.t) { display: flex; justify-content: space-between; align-items: baseline; gap: .5rem; }
-  td.t { grid-column: 1 / -1; }
+  td:not(.t) { display: flex; justify-content: space-between; align-items: baseline; gap: .25rem; }
+  td.n { letter-spacing: -.01em; }
+  td.t, td.w { grid-column: 1 / -1; }
   td:first-child { font-weight: 600; }
   td:empty { display: none; }
   td::before { color: var(--soft); font-size: .6875rem; font-weight: 400; flex: none; max-width: 60%; }
@@ -59,7 +66,7 @@ code { background: #f1f3f5; padding: .1rem .35rem; overflow-wrap: anywhere; }
   body { font-size: 10pt; } main { max-width: none; padding: 0; } .wide { overflow: visible; }
   .panels svg { width: 8.3cm; } table { font-size: 7.5pt; } details { display: none; }
   th, td { white-space: normal; padding: 1pt 3pt; }
-  section { break-inside: auto; } tr, figure, .verdict { break-inside: avoid; } h2 { break-after: avoid; }
+  section { break-inside: auto; } tr, svg, .verdict { break-inside: avoid; } h2, h3 { break-after: avoid; }
   thead { display: table-header-group; }
 }
 """

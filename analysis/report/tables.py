@@ -23,9 +23,12 @@ def conditions(report: Report) -> Table:
     for row in report["conditions"]:
         size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:g} mm"
         grains = f"{row['material']}{size}" if row["bed"] not in ("empty", "dashpot") else ""
-        fill = UNKNOWN if row["fill"] is None else Cell(f"{100 * row['fill']:.4g}", row["fill"])
+        bed = "" if row["bed"] == "unknown" else row["bed"]
+        fill = (
+            UNKNOWN if row["fill"] is None or row["bed"] == "empty" else Cell(f"{100 * row['fill']:.4g}", row["fill"])
+        )
         rows.append((
-            Cell(row["id"]), Cell(f"{row['bed']} {grains}".strip()), fill,
+            Cell(row["id"]), Cell(f"{bed} {grains}".strip()), fill,
             fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
             with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
@@ -73,7 +76,7 @@ def recorded(report: Report) -> Table:
             with_U(row["offset_recorded"], row["U_offset_recorded"], 100), fixed(row["E_n_recorded"], 2),
         )
         for row in report["conditions"]
-        if row["W_T_recorded"] is not None
+        if row["W_T_recorded"] is not None and any(each["W_T_recorded"] for each in report["conditions"])
     )  # fmt: skip
     note = (
         "W_T on the recorded waveform: the same bed driven by the box's measured acceleration, all of its band, in "
@@ -180,7 +183,8 @@ def budget(report: Report) -> Table:
         f"Of W_exp in {top['id']}, the condition with the largest energy: "
         f"{with_U(top['W_exp'], top['U_W_exp'], 1e3).text} mJ (k = {top['k']:.2f}, {nu} degrees of freedom). Scatter "
         "between runs holds the instruments' noise. All other lines are common to all conditions; report.json has the "
-        "budget of each."
+        "budget of each. Where few runs and certificates come together, k is not Student's at these degrees of freedom "
+        "but what covers 95 % (docs/report.md, Uncertainty)."
     )
     head = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
     return Table(title, note, head, rows)

@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from analysis.report.cells import significant, with_U
@@ -10,6 +11,9 @@ __all__ = ["again", "failures", "found", "headline", "reasons", "support", "test
 
 Report = dict[str, Any]
 
+FEW = 6  # conditions whose energies the verdict names
+UNLIKELY = 1e-3
+
 
 def tested(report: Report) -> str:
     """The report's first sentence: what a run like this can show."""
@@ -17,12 +21,14 @@ def tested(report: Report) -> str:
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
     if report["tests"] == "chain":
-        if not any(row["W_T"] for row in report["conditions"]):
+        if not _predicted(report):
             return f"This run checks the measurement chain: nothing is predicted for the {word} {listed}."
         return (
             f"This run checks the measurement chain, not the damper model: the {word} {listed} and the prediction W_T "
             "share one mechanism."
         )
+    if not _predicted(report):
+        return f"This run measures what is dissipated per cycle: nothing is predicted for the {word} {listed}."
     return f"This run tests the damper model: what the {word} {listed} dissipated does not come from the model of W_T."
 
 
@@ -32,20 +38,28 @@ def waveform(report: Report) -> str:
     shaken = [row["thd_acceleration"] for row in report["conditions"] if row["drive"] == "coupled"]
     told = [value for value in shaken if value is not None]
     if told:
-        low, high = (significant(100 * edge(told), 2) for edge in (min, max))
+        given = " W_T is given on a sine of the same fundamental and on the recorded waveform."
         return (
-            f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {low} % to {high} % "
-            "(harmonics over fundamental). W_T is given on a sine of the same fundamental and on the recorded waveform."
+            f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {_between(told)} "
+            f"(harmonics over fundamental).{given if _predicted(report) else ''}"
         )
     if report["waveform"] != "ideal":
         return origin
     found = [row["thd_box"] for row in report["conditions"] if row["thd_box"] is not None]
-    low, high = (significant(100 * edge(found), 2) if found else "" for edge in (min, max))
-    spread = f"{low} % to {high} %" if found else "an unknown amount"
+    spread = _between(found) if found else "an unknown amount"
     return (
         f"{origin} An ideal waveform is assumed: the box follows the programmed motion exactly, where the bed's force "
         f"would distort a real exciter's acceleration by {spread} (harmonics over fundamental)."
     )
+
+
+def _predicted(report: Report) -> bool:
+    return any(row["W_T"] for row in report["conditions"])
+
+
+def _between(shares: Sequence[float]) -> str:
+    low, high = (f"{significant(100 * edge(shares), 2)} %" for edge in (min, max))
+    return low if low == high else f"{low} to {high}"
 
 
 def verdict_line(report: Report) -> str:
@@ -78,7 +92,7 @@ def headline(report: Report) -> str:
     """How far measurement and prediction are apart."""
     found = report["agreement"]
     if found["ratio"] is None:
-        return "There is no predicted energy to compare with."
+        return f"There is no predicted energy to compare with. {_measured(report)}".rstrip()
     offset, U = found["ratio"] - 1, found["U_ratio"]
     nu = "∞" if found["nu"] is None else f"{found['nu']:.0f}"
     amount = with_U(abs(offset), U, 100.0).text.split(" ± ")
@@ -87,12 +101,24 @@ def headline(report: Report) -> str:
     text = f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found['k']:.2f}, nu = {nu}), weighted with energy"
     if found["put_in"] is not None:
         put_in = f"{significant(100 * found['put_in'], 2)} %"
-        if 0 <= found["put_in"] <= offset:
+        if found["put_in"] == 0:
+            text += "; the rig file puts in nothing (no losses of the box)"
+        elif 0 <= found["put_in"] <= offset:
             text += f"; of this {put_in} was put in by the rig file (losses of the box)"
         else:
             rest = f"{significant(100 * (offset - found['put_in']), 2)} %"
             text += f"; {put_in} was put in by the rig file (losses of the box), so all else makes {rest}"
     return f"{text}."
+
+
+def _measured(report: Report) -> str:
+    """What was measured: each of a few conditions, of more the range."""
+    rows = report["conditions"]
+    if len(rows) > FEW:
+        low, high = (significant(1e3 * edge(row["W_exp"] for row in rows), 3) for edge in (min, max))
+        return f"W_exp is {low} to {high} mJ per cycle in {len(rows)} conditions."
+    told = [f"{row['id']} {with_U(row['W_exp'], row['U_W_exp'], 1e3).text}" for row in rows]
+    return f"W_exp in mJ per cycle: {', '.join(told)}." if told else ""
 
 
 def found(report: Report) -> tuple[str, ...]:
@@ -101,10 +127,19 @@ def found(report: Report) -> tuple[str, ...]:
 
 
 def _line(report: Report) -> str:
+    """The slope, or that there is none: a chi^2 this large has a probability below 0.1 % where a line is true."""
+    from scipy.special import chdtrc
+
     found = report["agreement"]
-    return (
-        "" if found["slope"] is None else f"Slope through the origin {with_U(found['slope'], found['U_slope']).text}."
-    )
+    if found["slope"] is None:
+        return ""
+    line = found["line"]
+    if line is not None and line["dof"] > 0 and chdtrc(line["dof"], line["chi2"]) < UNLIKELY:
+        return (
+            f"No straight line describes W_exp against W_T (chi² {line['chi2']:.0f}, {line['dof']:.0f} degrees of "
+            "freedom): the offset is not in proportion to W_T, and no slope is stated."
+        )
+    return f"Slope through the origin {with_U(found['slope'], found['U_slope']).text}."
 
 
 def _mean_offset(report: Report) -> str:
@@ -113,6 +148,8 @@ def _mean_offset(report: Report) -> str:
     if mean is None or not rows:
         return ""
     offsets = sorted(row["offset"] for row in rows)
+    if len(rows) == 1:
+        return ""
     half = len(offsets) // 2
     median = (offsets[half] + offsets[~half]) / 2
     text = f"The mean offset of the {len(rows)} conditions above the detection limit is {_percent(mean)}"
@@ -133,8 +170,10 @@ def _claims(report: Report) -> str:
         return ""
     count = Counter(row["verdict"] for row in report["claims"])
     words = {"holds": "hold", "does not hold": "do not hold", "undecided": "are undecided", "imposed": "are imposed"}
-    told = [f"{count.pop(word, 0)} {words[word]}" for word in words]
-    return f"Of {len(report['claims'])} claims {', '.join([*told, *(f'{n} {word}' for word, n in count.items())])}."
+    if len(report["claims"]) == 1:
+        return f"The only claim: {report['claims'][0]['verdict']}."
+    told = [f"{count[word]} {words[word]}" for word in words if count[word]]
+    return f"Of {len(report['claims'])} claims {', '.join(told)}."
 
 
 def _flags(report: Report) -> str:
