@@ -25,7 +25,7 @@ __all__ = ["read_session", "run_energy"]
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT)
 """Samples are missing or mean nothing: no energy can be stated."""
-OVERLOAD = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
+CLIPPED = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO | Flag.SENSOR_CLIP)
 SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
@@ -84,7 +84,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         coil=_coil(record, run, window, energy, samples),
         recorded=recorded if math.isfinite(recorded) else None,
         u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
-        clip_ratio=_clip_ratio(record, run) if bits & OVERLOAD else 0.0,
+        clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
     )  # fmt: skip
 
 

@@ -15,7 +15,17 @@ __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
 CLOSES = {"servo": 1e-9, "coupled": 1e-6}  # largest closure of an account that closes, relative, by drive
 CHAIN_SHARE = 0.9  # share of the conditions in which |E_n_chain| <= 1 is needed
 NOT_REACHED = "level_not_reached"  # with what stopped the level: level_not_reached_voltage
-FAULTS = {"clipped", "overload_hi", "overload_lo", "iepe_open", "iepe_short", "invalid", "overrun", "gap"}
+FAULTS = {
+    "clipped",
+    "sensor_clip",
+    "overload_hi",
+    "overload_lo",
+    "iepe_open",
+    "iepe_short",
+    "invalid",
+    "overrun",
+    "gap",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ import numpy as np
 
 from daq.block import Block, Flag
 from daq.fir import DELAY, OVERSAMPLING
-from daq.frontend import Codes, FrontEnd
-from daq.source import AnalogSource
+from daq.frontend import FILTER_DELAY, Codes, FrontEnd
+from daq.source import AnalogSource, Clipping
 
 __all__ = ["Acquisition", "Emulated"]
 
@@ -48,6 +48,8 @@ class Emulated:
         self._source = source
         self._frontend = frontend
         self._next = 0
+        self._converted = 0  # samples, those read ahead included
+        self._clips = [np.empty(0, dtype=np.intp) for _ in frontend.names]  # samples, from the next one on
         self._ahead: Codes = np.empty((len(frontend.names), 0), dtype=np.int32)
 
     @property
@@ -61,22 +63,36 @@ class Emulated:
         return self._frontend.rate
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel; overload bits where a code lies at a rail. ValueError for n < 1."""
+        """The next n samples of every channel; overload bits where a code lies at a rail, `sensor_clip` where a
+        sensor was at its own limit. ValueError for n < 1."""
         if n < 1:
             raise ValueError(f"{n} samples were asked for")
         parts, have = [self._ahead], self._ahead.shape[1]
         while have < n:
             parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * self._frontend.block)))
+            if isinstance(self._source, Clipping):
+                self._note(self._source)
+            self._converted += self._frontend.block
             have += self._frontend.block
         codes = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
         self._ahead = codes[:, n:].copy()
         return self._block(codes[:, :n])
 
+    def _note(self, source: Clipping) -> None:
+        """Take down the samples in whose middle a sensor clipped."""
+        for row, places in enumerate(source.clipped()):
+            if places.size:
+                samples = np.unique(places // OVERSAMPLING) + self._converted + round(FILTER_DELAY)
+                self._clips[row] = np.concatenate([self._clips[row], samples])
+
     def _block(self, codes: Codes) -> Block:
         start = self._next
         self._next += codes.shape[1]
+        sensor = np.array([np.searchsorted(samples, self._next) for samples in self._clips])
+        self._clips = [samples[count:] for samples, count in zip(self._clips, sensor, strict=True)]
         high = np.count_nonzero(codes == self._frontend.highest, axis=1)
         low = np.count_nonzero(codes == self._frontend.lowest, axis=1)
         settling = start < 2 * DELAY
         flags = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0) + Flag.NOT_SETTLED * settling
-        return Block(start, codes, flags.astype(np.uint16), (high + low).astype(np.uint32), settling)
+        flags += Flag.SENSOR_CLIP * (sensor > 0)
+        return Block(start, codes, flags.astype(np.uint16), (high + low + sensor).astype(np.uint32), settling)

@@ -20,6 +20,7 @@ class Flag(IntFlag):
     IEPE_OPEN = 32
     IEPE_SHORT = 64
     NOT_SETTLED = 128
+    SENSOR_CLIP = 256
 
 
 def flag_names(bits: int) -> tuple[str, ...]:
@@ -34,7 +35,7 @@ class Block:
     start: index of the first sample since the start of the run.
     codes: (channels, n) int32, converter codes; volts = code * range / 2^(bits - 1).
     flags: (channels,) uint16, bits of `Flag` that hold anywhere in the block.
-    clipped: (channels,) uint32, samples at either rail.
+    clipped: (channels,) uint32, samples at either rail, and samples in whose interval the sensor itself clipped.
     settling: the block holds samples from before the front end's filter had filled (bit NOT_SETTLED is set too).
     """
 

@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from daq.channel import Channel, ChannelState
 from daq.source import AnalogSource, FloatArray
@@ -57,15 +58,21 @@ class Resonance:
         self._memory = _resonate(volts, self._memory, self._weights)
 
 
+NOWHERE = np.empty(0, dtype=np.intp)
+
+
 class Clip:
     """The sensor's own amplifier: nothing beyond +- limit (V)."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
+        self.places = NOWHERE
 
     def apply(self, volts: FloatArray) -> None:
-        """See Stage."""
-        np.clip(volts, -self._limit, self._limit, out=volts)
+        """See Stage. `places`: where it clipped, this time."""
+        self.places = np.flatnonzero(np.abs(volts) > self._limit)
+        if self.places.size:
+            np.clip(volts, -self._limit, self._limit, out=volts)
 
 
 class HighPass:
@@ -105,6 +112,11 @@ class Conditioned:
             for stage in stages:
                 stage.apply(row)
         return volts
+
+    def clipped(self) -> tuple[NDArray[np.intp], ...]:
+        """See Clipping."""
+        clips = ([stage.places for stage in stages if isinstance(stage, Clip)] for stages in self._stages)
+        return tuple(places[0] if places else NOWHERE for places in clips)
 
 
 def conditioned(source: AnalogSource, channels: Sequence[Channel], states: Sequence[ChannelState]) -> AnalogSource:

@@ -16,7 +16,8 @@ class Replayed:
     """An acquisition that delivers the codes of one run of a record, as they were recorded.
 
     Reads of the sizes in `sizes` give the recorded blocks, quality bits and all. Any other read recounts the samples at
-    the rails and takes every other bit of the recorded blocks that it touches. The record stays open with its owner.
+    the rails (and those alone) and takes every other bit of the recorded blocks that it touches. The record stays open
+    with its owner.
     """
 
     def __init__(self, record: Record, run: str) -> None:

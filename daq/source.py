@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["AnalogSource", "FloatArray", "PhysicalSource"]
+__all__ = ["AnalogSource", "Clipping", "FloatArray", "PhysicalSource"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -44,3 +44,12 @@ class AnalogSource(Protocol):
 
     def volts(self, n: int) -> FloatArray:
         """Next n interval means in volts, shape (channels, n), float64, C-contiguous."""
+
+
+@runtime_checkable
+class Clipping(AnalogSource, Protocol):
+    """An analog source that knows where a sensor's own amplifier clipped, which no code can show: the filter that
+    follows rounds the edge off."""
+
+    def clipped(self) -> tuple[npt.NDArray[np.intp], ...]:
+        """Places in the last `volts` at which each channel's sensor was at its limit, ascending."""

@@ -28,6 +28,7 @@ def test_there_is_no_such_name() -> None:
 def test_flags_have_the_words_of_the_session_format() -> None:
     assert flag_names(0xFFFF) == (
         "overload_hi", "overload_lo", "invalid", "overrun", "gap", "iepe_open", "iepe_short", "not_settled",
+        "sensor_clip",
     )  # fmt: skip
     assert flag_names(Flag.OVERLOAD_LO | Flag.GAP) == ("overload_lo", "gap")
     assert flag_names(0) == ()

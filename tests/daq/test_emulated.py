@@ -1,5 +1,8 @@
 """The emulated analyzer: what is particular to it beside the conformance suite."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from daq_signals import RATE, Analytic, constant, front_end, tone
@@ -8,7 +11,9 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from daq.acquisition import Emulated
-from daq.block import Flag
+from daq.block import Block, Flag
+from daq.channel import Channel, ChannelState, ideal_transducer
+from daq.conditioning import conditioned
 from daq.fir import STAGE1, STAGE2
 from daq.frontend import BLOCK, block_size
 from daq.source import AnalogSource, PhysicalSource
@@ -79,3 +84,45 @@ def test_a_source_is_read_no_further_than_needed() -> None:
     np.testing.assert_array_equal(
         Emulated(Analytic(tone(1.0, 0.01)), front_end(samples=25639)).read(25639).codes, whole.codes
     )
+
+
+def pulses(volts: float, every: int) -> Callable[[np.ndarray], np.ndarray]:
+    """One interval of so many volts in `every`, the rest silent: an impact."""
+    return lambda index: np.where(index % every == 3, volts, 0.0)
+
+
+@settings(max_examples=10, deadline=None)
+@given(size=st.integers(1, 3000))
+def test_a_sensor_that_clips_is_flagged_though_no_code_shows_it(size: int) -> None:
+    """20 V for an eighth of a sample, every 800th sample: the filter leaves less than an eighth of the sensor's 5 V."""
+    spec = replace(ideal_transducer("force"), clips_at=5.0)
+    channel = Channel("a", spec, 10.0, "", "+x", coupling="IEPE")
+    states = [ChannelState(1.0, None, 1.0)]
+
+    def blocks() -> list[Block]:
+        source = conditioned(Analytic(pulses(20.0, 6400)), [channel], states)
+        acquisition = Emulated(source, front_end())
+        return [acquisition.read(size) for _ in range(6000 // size)]
+
+    found = blocks()
+    assert max(np.abs(block.codes).max() for block in found) * 10.0 / 2**23 < 1.2 * 5.0 / 8
+    for block in found:  # the pulse of sample 800 k is in the middle of what the filter delays by 39 samples
+        inside = sum(block.start <= 800 * k + 39 < block.start + size for k in range(9))
+        assert block.clipped[0] == inside
+        assert bool(block.flags[0] & Flag.SENSOR_CLIP) == (inside > 0)
+        assert not block.flags[0] & (Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
+
+
+def test_a_clipped_pulse_is_where_the_codes_have_it() -> None:
+    source = conditioned(Analytic(pulses(20.0, 6400)), [Channel("a", replace(ideal_transducer("force"), clips_at=5.0),
+                         10.0, "", "+x", coupling="IEPE")], [ChannelState(1.0, None, 1.0)])  # fmt: skip
+    acquisition = Emulated(source, front_end())
+    acquisition.read(700)
+    block = acquisition.read(200)
+    assert abs(int(np.argmax(block.codes[0])) + block.start - 839) <= 1
+
+
+def test_a_sensor_without_a_limit_costs_and_says_nothing() -> None:
+    block = Emulated(Analytic(constant(9.0)), front_end()).read(200)
+    assert block.clipped[0] == 0
+    assert not block.flags[0] & Flag.SENSOR_CLIP

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from small_protocol import IDEAL
 
+from daq import open_session
 from rig.campaign import Campaign, run
 from rig.catalog import load_rig
 from rig.protocol import load_protocol
@@ -56,3 +57,23 @@ def test_corners_ten_per_cent_apart_are_within_what_is_stated(tmp_path: Path, co
         if condition["offset_terms"] is not None:
             assert abs(condition["offset_terms"]["remainder"]) < condition["allowed_remainder"]
             assert abs(condition["offset_terms"]["phase"]) > 1e-4
+
+
+def test_a_sensor_that_clips_in_impacts_is_flagged_though_the_record_shows_none(tmp_path: Path) -> None:
+    """Few rows hit together: 2.2 kN for less than a sample is 5 V at the sensor, and 3 V behind the filter."""
+    few = (
+        "vary={}",
+        "scene.bed=layers",
+        "scene.layers={rows: 2}",
+        "drive.acceleration=6",
+        "acquire.effects=[resonance]",
+    )
+    dc, iepe = report(tmp_path / "dc", *few), report(tmp_path / "iepe", *few, "acquire.coupling=IEPE")
+    (clipped,), (clean,) = (found["conditions"][0]["runs"] for found in (iepe, dc))
+    assert "sensor_clip" in clipped["flags"]
+    assert "sensor_clip" not in clean["flags"]
+    assert iepe["verdict"] == "fails"
+    with open_session(tmp_path / "iepe" / "session.h5") as record:
+        force = record.signal("run_0001", "force")
+        assert abs(force.samples).max() * record.channels["force"].sensitivity < 0.98 * 5.0
+        assert record.blocks("run_0001")["clipped"].sum(axis=0).tolist()[1] == 0
