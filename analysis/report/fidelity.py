@@ -18,8 +18,8 @@ def fidelity_sentences(report: Report) -> tuple[str, ...]:
     cycles = found["cycles"]
     text = (
         f"Fidelity auto, tolerance {100 * found['tolerance']:g} % of W per cycle: {cycles['auto']} cycles of the drive "
-        f"were run; the protocol writes {cycles['written']}, and fully resolved, with rows of grains side by side and "
-        f"long settling and records, they would be {cycles['resolved']}. {_work(found['row_cycles'])}"
+        f"were run; the protocol writes {cycles['written']}, and fully resolved they would be {cycles['resolved']}."
+        f"{_work(found['row_cycles'])}"
     )
     if found["not_met"]:
         text += f" The tolerance is NOT met in {', '.join(found['not_met'])}: see the table Fidelity."
@@ -29,9 +29,9 @@ def fidelity_sentences(report: Report) -> tuple[str, ...]:
 def _work(rows: Mapping[str, float]) -> str:
     """What was saved of the motion of single rows, and what finding the choice took."""
     if not rows["auto"]:
-        return "No row of grains slides: none had to be followed."
+        return " No rows of grains had to be followed."
     return (
-        f"Each row of grains counted in each cycle, that is {_times(rows['auto'] / rows['written'])} the work as "
+        f" Each row of grains counted in each cycle, that is {_times(rows['auto'] / rows['written'])} the work as "
         f"written and {_times(rows['auto'] / rows['resolved'])} the fully resolved; finding the choice took, once, "
         f"{_times(rows['planning'] / rows['auto'])} what was run."
     )

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 from daq.seeds import stream
 from rig.beds.stack import Filling, nominal, refill
 from rig.catalog.entries import Rig
 from rig.catalog.shelves import IDEAL
+from rig.drive.waveform import Waveform, waveform
 from rig.fidelity.lengths import LengthChoice, choose_lengths
 from rig.fidelity.pilot import Look, Pilot, rows_pilot, stand_pilot
 from rig.fidelity.rows import LOOKS, RowsChoice, choose_rows, resolved_rows, with_rows
@@ -27,6 +29,9 @@ LONGER = 2
 
 POURINGS = 2
 """Pourings looked at beside the nominal filling, where runs are poured."""
+
+MOST_RUNS = 16
+"""Runs of a bed without rows that are looked at, one by one."""
 
 FULL_SETTLE, FULL_RECORD = 64, 256
 """Fully resolved: settled for the longest period that is looked for, and four times as long recorded."""
@@ -131,16 +136,18 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
         rows = choose_rows(scene, rig, drive, asked.tolerance, asked.drawn(condition))
         scene = with_rows(scene, rows.rows)
     allowed = asked.tolerance - (rows.error if rows else 0.0)
-    look: Look = rows_pilot if rows else stand_pilot
     planning = rows.planning if rows else 0
     pilots: list[Pilot] = []
     first = rows.cycles if rows else LOOKS[0]
+    looks: list[Look] = []
+    if rows is None and scene.bed not in RIGID:
+        looks = _looks_at_runs(condition, rig, asked)
+    elif rows and rows.pilot.W > 0.0:
+        looks = [partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)]
     for cycles in (first, LONGER * first):
-        if scene.bed not in RIGID and (rows is None or rows.pilot.W > 0.0):
-            again = [rows.pilot] if rows and cycles == first else []
-            pilots = again + [look(scene, rig, drive, filling, cycles)
-                              for filling in _fillings(scene, rig, asked, condition)[len(again):]]  # fmt: skip
-            planning += sum(pilot.simulated for pilot in pilots[len(again) :])
+        known = [rows.pilot] if rows and looks and cycles == first else []
+        pilots = known + [look(cycles) for look in looks[len(known) :]]
+        planning += sum(pilot.simulated for pilot in pilots[len(known) :])
         scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
         relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
         lengths = choose_lengths(pilots, allowed, relative, noise.settle, acquire.settle + acquire.record)
@@ -174,6 +181,23 @@ def _fillings(scene: Scene, rig: Rig, asked: Asked, condition: Condition) -> Seq
     rng = stream(asked.seed, condition.seed_key, "fidelity")
     drawn = [refill(scene, rig, rng) for _ in range(POURINGS)] if asked.poured else []
     return [nominal(scene, rig), *drawn]
+
+
+def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
+    """Looks at the runs of a bed without rows, waveform and filling as each of them draws its own: one mass may settle
+    in a few cycles on an exact sine and wander for hundreds on one that is 0.3 % off."""
+    scene, drive = condition.scene, condition.drive
+    if not asked.drawn(condition):
+        exact = Waveform(drive.frequency, drive.acceleration)
+        return [partial(stand_pilot, scene, rig, exact, nominal(scene, rig))]
+    found: list[Look] = []
+    for repeat in range(1, min(asked.runs, MOST_RUNS) + 1):
+        draw = partial(stream, asked.seed, condition.seed_key, str(repeat))
+        rng = None if drive.imperfection == "none" else draw("drive")
+        motion = waveform(drive, rig.level_error, rig.third_harmonic, rng)
+        filling = refill(scene, rig, draw("refill")) if asked.poured else nominal(scene, rig)
+        found.append(partial(stand_pilot, scene, rig, motion, filling))
+    return found
 
 
 def _choice(

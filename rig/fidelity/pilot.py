@@ -51,8 +51,8 @@ class Pilot:
         return float(self.energy.sum())
 
 
-Look = Callable[[Scene, Rig, Drive, Filling, int], Pilot]
-"""(scene, rig, drive, filling, cycles) -> the bed over its first cycles."""
+Look = Callable[[int], Pilot]
+"""cycles -> the bed over so many of its first cycles."""
 
 
 def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: int) -> Pilot:
@@ -75,9 +75,9 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
     )
 
 
-def stand_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: int) -> Pilot:
+def stand_pilot(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int) -> Pilot:
     """Any bed, on a stand with few sampling edges: the steady energy is the mean of the later half."""
-    stand = Stand(scene, rig, Waveform(drive.frequency, drive.acceleration), filling, EDGES * drive.frequency)
+    stand = Stand(scene, rig, motion, filling, EDGES * motion.frequency)
     for _ in range(-(-cycles // CHUNK_CYCLES)):
         stand.advance()
     ledger = stand.drain_ledger()[:cycles]

@@ -11,6 +11,7 @@ import pytest
 from small_protocol import IDEAL, Rig
 
 from analysis import write_report
+from analysis.report.fidelity import fidelity_sentences
 from daq.session import Recorder, open_session
 from rig.beds.stack import nominal, stack
 from rig.campaign import Campaign, run
@@ -107,6 +108,58 @@ def test_the_mean_over_poured_runs_is_within_the_tolerance(
             errors.append((found["W_exp"] / float(true) - 1.0) / tolerance)
     assert np.mean(np.abs(errors) > 1.0) <= 0.05
     assert float(np.sqrt(np.mean(np.square(errors)))) < 0.75
+
+
+BOUNCE = """\
+schema: rig/protocol/1
+name: bounce
+scene:
+  cavity: {length: 40 mm, width: 40 mm, height: 60 mm, wall: 2 mm}
+  axis: vertical
+  grains: {material: stainless, diameter: 2 mm, fill: 10 %}
+  bed: slug
+  slug: {gap: 5 mm}
+  losses: []
+drive: {frequency: 25 Hz}
+acquire: {analyzer: ideal, sensors: {force: ideal, acceleration: ideal}}
+vary:
+  zip:
+    scene.slug.restitution: [0, 0.3, 0.6, 0.9, 0.6]
+    drive.acceleration: [2 g, 2 g, 2 g, 4 g, 3 g]
+repeats: 3
+fidelity: auto
+tolerance: 2 %
+"""
+"""One mass between floor and lid: orbits of long and short periods, and one that finds none."""
+
+
+def test_a_slug_is_within_the_tolerance_in_the_waveforms_of_its_runs(tmp_path: Path) -> None:
+    """Against the same runs settled for 300 cycles and recorded for 1000. On an exact sine 8 cycles would do for the
+    third, whose runs, 0.3 % off, take up to 80 % less then. An orbit without a period is said not to be met."""
+    made = campaign(text=BOUNCE)
+    found = run(made, tmp_path / "auto", workers=1)
+    sets = ("fidelity=as_written", "tolerance=null", "acquire.settle=300", "acquire.record=1000")
+    long = run(campaign(*sets, text=BOUNCE), tmp_path / "long", workers=1)
+    met = [row["met"] for row in found["fidelity"]["conditions"]]
+    assert met == [True, True, True, True, False]
+    for one, other, held in zip(found["conditions"], long["conditions"], met, strict=True):
+        assert not held or one["W_exp"] == pytest.approx(other["W_exp"], rel=0.02 + 2e-3)  # 1000 cycles are not all
+    (text,) = fidelity_sentences(found)
+    assert "No rows of grains" in text
+
+
+def test_the_report_says_in_words_what_was_saved() -> None:
+    """Numbers of cycles of the drive, and shares; no counts of rows times cycles, which nobody can read."""
+    document = {
+        "tolerance": 0.05, "cycles": {"auto": 888, "written": 8000, "resolved": 51200}, "not_met": ["c03"],
+        "row_cycles": {"auto": 1.2e5, "written": 2.9e6, "resolved": 8.5e7, "planning": 7.6e5},
+    }  # fmt: skip
+    (text,) = fidelity_sentences({"fidelity": document})
+    assert "888 cycles of the drive were run; the protocol writes 8000, and fully resolved they would be 51200" in text
+    assert "4.1 % of the work as written and 0.14 % of the fully resolved" in text
+    assert "finding the choice took, once, 6.3 times what was run" in text
+    assert "NOT met in c03" in text
+    assert fidelity_sentences({}) == ()
 
 
 def test_peaks_beyond_the_exciter_are_those_of_all_rows(tmp_path: Path) -> None:
