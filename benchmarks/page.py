@@ -48,6 +48,9 @@ events not located; scipy's `solve_ivp` with terminal events, restarted at each,
 atol = rtol/100, steps of at most 1 rad so that none jumps over an event. Impacts count only while the mass closes on
 the wall: behind a lift-off the gap grows like t^3 and round-off alone would fake one.""",
     "work": "",
+    "states": """The orbit beside its energy: place and velocity behind the last cycle that was followed, the larger
+error of the two in units of the waveform, against closed flights; the coarsest setting whose W is right to 1e-6. A
+block on a floor has nothing that pulls it back: its errors add up over the cycles.""",
     "layers": """## Which model to choose
 
 {ladder}

@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 from benchmarks.methods import METHODS, Failed, Method, Work
+from benchmarks.reference import followed
 from benchmarks.sliders import Slider
 from benchmarks.timing import interleaved, peak_memory, spread
 
@@ -20,6 +21,7 @@ COMPILED_STEPS = 200_000
 def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, ...] = METHODS) -> list[Row]:
     """A row for every method and setting; one that fails keeps its row, with the reason instead of numbers."""
     rows, calls = [], {}
+    place, velocity = _steady(slider)
     for method in methods:
         for setting in method.quick if quick else method.ladder:
             average = _averaged(slider, method, setting)
@@ -35,6 +37,7 @@ def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, .
                 continue
             cycles = slider.settle + average
             rows.append({**row, "error": abs(work.energy / slider.exact - 1.0), "memory_kB": memory,
+                         "state_error": max(abs(work.u - place), abs(work.z - velocity)),
                          **{name: getattr(work, name) / cycles for name in ("events", "rhs", "steps", "roots")},
                          "cycles": cycles})  # fmt: skip
             calls[str(len(rows) - 1)] = call
@@ -43,6 +46,13 @@ def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, .
         each = [1e6 * value / row["cycles"] for value in seconds]
         row["us_per_cycle"], row["us_each"] = spread(each), [float(f"{value:.5g}") for value in each]
     return rows
+
+
+def _steady(slider: Slider) -> tuple[float, float]:
+    """Place and velocity at the start of every period of the steady orbit, from closed flights."""
+    cycles = slider.settle + slider.period
+    _, u, z = followed(slider.band, slider.play, slider.restitution, slider.gravity, slider.start, cycles)
+    return u, z
 
 
 def _first(call: Callable[[], Work]) -> tuple[Work, float]:

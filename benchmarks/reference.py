@@ -20,6 +20,13 @@ def energies(
     band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
 ) -> list[float]:
     """Energy lost in each cycle, m V^2 (symbols: `benchmarks.sliders`)."""
+    return followed(band, play, restitution, gravity, start, cycles)[0]
+
+
+def followed(
+    band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
+) -> tuple[list[float], float, float]:
+    """Energy lost in each cycle, and place and velocity behind the last one."""
     lost = [0.0] * cycles
     end = 2.0 * math.pi * cycles
     mode, u, z = start
@@ -43,7 +50,7 @@ def energies(
             mode = 0 if z == 0.0 else int(math.copysign(1, z))
         elif kind == "stop":
             mode = 0
-    return lost
+    return lost, u, z
 
 
 class _Flight:

@@ -38,6 +38,7 @@ def tables(rows: Sequence[Row]) -> list[Table]:
         _checks(rows),
         *(_costs(rows, wanted) for wanted in WANTED),
         _work(rows),
+        _states(rows),
         _layers(rows),
         _small_beds(rows),
         _fill(rows),
@@ -182,6 +183,28 @@ def _work(rows: Sequence[Row]) -> Table:
         tuple(lines),
         ("method",),
     )
+
+
+def _states(rows: Sequence[Row]) -> Table:
+    """How far the mass is from where it should be, on the first problem in which it moves when a cycle ends."""
+    precise = [row for row in _of(rows, "precision") if row["failure"] is None and "state_error" in row]
+    problem = next((row["problem"] for row in precise if row["problem"].startswith("block")), "")
+    lines = []
+    for method, short in SHORT.items():
+        own = [row for row in precise if row["problem"] == problem and row["method"] == method]
+        near = [row for row in own if row["error"] <= 1e-6] or own[-1:]
+        lines += [
+            (
+                short,
+                f"{row['setting']:g}" if row["knob"] else "-",
+                str(row["cycles"]),
+                f"{row['error']:.0e}",
+                f"{row['state_error']:.0e}",
+            )
+            for row in near[:1]
+        ]
+    columns = ("method", "setting", "cycles", "error of W", "error of the state")
+    return Table("states", f"State behind the last cycle, {problem}", columns, tuple(lines), ("method",))
 
 
 def _layers(rows: Sequence[Row]) -> Table:

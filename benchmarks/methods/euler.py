@@ -13,7 +13,7 @@ TWO_PI = 2.0 * math.pi
 def _run(
     band: float, play: float, restitution: float, gravity: float, u: float, z: float, steps: int, settle: int,
     average: int,
-) -> tuple[float, int, int, int, int]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     """Velocity first, friction capped at standstill; then the place, cut at the walls.
 
     A wall costs energy only where the mass was off it before: pressed on, it is stopped in every step again. A rebound
@@ -46,7 +46,7 @@ def _run(
         if k >= settle:
             energy += lost / average
     taken = (settle + average) * steps
-    return energy, events, taken, taken, 0
+    return energy, events, taken, taken, 0, u, z
 
 
 EULER = first_order("semi-implicit Euler", _run)

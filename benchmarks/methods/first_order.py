@@ -9,7 +9,7 @@ LADDER = (100, 400, 1600, 6400, 25600, 102400, 409600)
 QUICK = (100, 800, 6400, 51200)
 """Steps per cycle."""
 
-Run = Callable[..., tuple[float, int, int, int, int]]
+Run = Callable[..., tuple[float, int, int, int, int, float, float]]
 
 
 def first_order(name: str, run: Run) -> Method:

@@ -63,7 +63,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
             z, mode = 0.0, 0
         lost[cycle] += slider.band * abs(u - before)
         events += low or high or stop
-    return Work(sum(lost[settle:]) / average, events, rhs, steps, 0)
+    return Work(sum(lost[settle:]) / average, events, rhs, steps, 0, u, z)
 
 
 def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, object]:

@@ -11,7 +11,7 @@ class Work(NamedTuple):
     """Energy lost per cycle, m V^2 (mean over the cycles behind `settle`), and the work done in all cycles.
 
     events : impacts, stops and starts; rhs : evaluations of the right-hand side, sin(theta) - gravity; steps : of the
-    integrator; roots : iterations towards an event's phase
+    integrator; roots : iterations towards an event's phase; u, z : place and velocity behind the last cycle
     """
 
     energy: float
@@ -19,6 +19,8 @@ class Work(NamedTuple):
     rhs: int
     steps: int
     roots: int
+    u: float
+    z: float
 
 
 class Failed(ArithmeticError):

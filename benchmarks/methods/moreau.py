@@ -17,7 +17,7 @@ TWO_PI = 2.0 * math.pi
 def _run(
     band: float, play: float, restitution: float, gravity: float, u: float, z: float, steps: int, settle: int,
     average: int,
-) -> tuple[float, int, int, int, int]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     """Contacts are those that the midpoint u + h z/2 has reached; there z -> max(z_free, -e z), mirrored at the lid."""
     h = TWO_PI / steps
     grip = h * band
@@ -43,7 +43,7 @@ def _run(
         if k >= settle:
             energy += lost / average
     taken = (settle + average) * steps
-    return energy, events, taken, taken, 0
+    return energy, events, taken, taken, 0, u, z
 
 
 MOREAU = first_order("Moreau time stepping", _run)

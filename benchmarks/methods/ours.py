@@ -41,7 +41,7 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
 def _row(
     band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
     room: NDArray[np.void], settle: int, average: int,
-) -> tuple[float, int, int, int, int]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     energy, events, roots = 0.0, 0, 0
     table, P, Q = borrowed(table), borrowed(P), borrowed(Q)
     event = borrowed(room)[0]
@@ -49,19 +49,19 @@ def _row(
         after = cycle(mode, u, z, band, play, restitution, table, P, Q, event)
         mode, u, z = after.mode, after.u, after.z
         if after.events < 0:
-            return energy, -1, 0, 0, roots
+            return energy, -1, 0, 0, roots, u, z
         events += after.events
         roots += after.roots
         if k >= settle:
             energy += (after.friction + after.collision) / average
-    return energy, events, roots, 0, roots
+    return energy, events, roots, 0, roots, u, z
 
 
 @njit(cache=True, nogil=True)
 def _slug(
     mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
     average: int,
-) -> tuple[float, int, int, int, int]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     harmonics = np.empty((2, P.shape[0]))
     table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))
@@ -70,12 +70,12 @@ def _slug(
         after = slug_cycle(mode, u, z, world, table, P, Q, S, C, room)
         mode, u, z = after.mode, after.q, after.u
         if after.events < 0:
-            return energy, -1, 0, 0, roots
+            return energy, -1, 0, 0, roots, u, z
         events += after.events
         roots += after.roots
         if k >= settle:
             energy += (after.friction + after.collision) / average
-    return energy, events, roots, 0, roots
+    return energy, events, roots, 0, roots, u, z
 
 
 OURS = Method("event-driven (ours)", "ours", "", (0.0,), (0.0,), solve)

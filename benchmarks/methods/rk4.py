@@ -93,7 +93,7 @@ def _start(
 def _run(
     band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, steps: int,
     settle: int, average: int,
-) -> tuple[float, int, int, int, int]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     length = TWO_PI / steps
     energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
     for k in range(settle + average):
@@ -176,10 +176,10 @@ def _run(
                 z, mode, known = 0.0, 0, False
                 events += 1
             if events > limit:
-                return energy, -1, rhs, taken, roots
+                return energy, -1, rhs, taken, roots, u, z
         if k >= settle:
             energy += lost / average
-    return energy, events, rhs, taken, roots
+    return energy, events, rhs, taken, roots, u, z
 
 
 RK4 = Method(
