@@ -47,8 +47,7 @@ def fixed(value: float | None, places: int) -> Cell:
     """A number to so many decimal places; a dash where it is not known."""
     if value is None:
         return UNKNOWN
-    text = f"{value:.{places}f}"
-    return Cell(text if float(text) else text.removeprefix("-"), value)
+    return Cell(_rounded(value, places), value)
 
 
 def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
@@ -59,4 +58,10 @@ def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
     places = max(0, 1 - math.floor(math.log10(U)))
     if places > 6:  # far below anything worth a row of zeros
         return Cell(f"{value:.3g} ± {U:.2g}", value)
-    return Cell(f"{value:.{places}f} ± {U:.{places}f}", value)
+    return Cell(f"{_rounded(value, places)} ± {U:.{places}f}", value)
+
+
+def _rounded(value: float, places: int) -> str:
+    """To so many places, and no minus before a zero."""
+    text = f"{value:.{places}f}"
+    return text if float(text) else text.removeprefix("-")

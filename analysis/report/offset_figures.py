@@ -75,7 +75,8 @@ def terms_plot(report: Row) -> Plot | None:
         colour = GREEN if name == "offset" else BLUE if end >= start else ORANGE
         panel.column(place, low, high, colour)
         if abs(end - start) >= 0.05 or name == "offset":
-            panel.word(place, high, f"{end - start:+.1f}".replace("-", "−"), up=4)
+            places = 1 if abs(end - start) < 10 else 0
+            panel.word(place, high, f"{end - start:+.{places}f}".replace("-", "−"), up=4)
         panel.word(place, panel.y.low, named[place], up=-14 if place % 2 == 0 else -27)
     panel.level(0.0, INK)
     told = ", ".join(f"{name} {100 * value:+.2g} %" for name, value in found.items())

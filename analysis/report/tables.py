@@ -12,6 +12,8 @@ __all__ = [
 
 Report = dict[str, Any]
 
+FEW = 6  # conditions that a note names
+
 
 def conditions(report: Report) -> Table:
     """The table of conditions."""
@@ -46,7 +48,9 @@ def conditions(report: Report) -> Table:
         if row["bound"] is not None and (row["W_T_paper"] or 0) > row["bound"] * (1 + 1e-9)
     ]
     if impossible:
-        note += f" The paper's own formula exceeds the hard bound, and is impossible, in {', '.join(impossible)}."
+        many = f"{len(impossible)} of {len(report['conditions'])} conditions"
+        where = ", ".join(impossible) if len(impossible) <= FEW else many
+        note += f" The paper's own formula exceeds the hard bound, and is impossible, in {where}."
     return Table("Conditions", note, head, tuple(rows))
 
 

@@ -17,7 +17,8 @@ UNLIKELY = 1e-3
 
 def tested(report: Report) -> str:
     """The report's first sentence: what a run like this can show."""
-    beds = sorted({row["bed"] for row in report["conditions"]})
+    predicted = {row["bed"] for row in report["conditions"] if row["W_T"]}
+    beds = sorted(predicted or {row["bed"] for row in report["conditions"]})
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
     if report["tests"] == "chain":
@@ -123,7 +124,18 @@ def _measured(report: Report) -> str:
 
 def found(report: Report) -> tuple[str, ...]:
     """What else belongs to the verdict: the slope, the mean offset and what rules it, claims, flags."""
-    return tuple(filter(None, (_line(report), _mean_offset(report), _claims(report), _flags(report))))
+    return tuple(
+        filter(None, (_on_recorded(report), _line(report), _mean_offset(report), _claims(report), _flags(report)))
+    )
+
+
+def _on_recorded(report: Report) -> str:
+    """The comparison on the recorded waveforms, where it was made."""
+    ratio, U = (report["agreement"][name] for name in ("ratio_recorded", "U_ratio_recorded"))
+    if ratio is None or U is None:
+        return ""
+    relation = "more" if ratio >= 1 else "less"
+    return f"Against W_T on the recorded waveform W_exp is {with_U(abs(ratio - 1), U, 100).text} % {relation}."
 
 
 def _line(report: Report) -> str:
