@@ -2,14 +2,14 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from analysis.report.cells import significant, with_U
 
 __all__ = ["again", "failures", "found", "headline", "reasons", "support", "tested", "verdict_line", "waveform"]
 
-Report = dict[str, Any]
+Report = Mapping[str, Any]
 
 FEW = 6  # conditions whose energies the verdict names
 UNLIKELY = 1e-3
@@ -131,11 +131,11 @@ def found(report: Report) -> tuple[str, ...]:
 
 def _on_recorded(report: Report) -> str:
     """The comparison on the recorded waveforms, where it was made."""
-    ratio, U = (report["agreement"][name] for name in ("ratio_recorded", "U_ratio_recorded"))
+    ratio, U = (report["agreement"].get(name) for name in ("ratio_recorded", "U_ratio_recorded"))
     if ratio is None or U is None:
         return ""
-    relation = "more" if ratio >= 1 else "less"
-    return f"Against W_T on the recorded waveform W_exp is {with_U(abs(ratio - 1), U, 100).text} % {relation}."
+    amount = with_U(abs(ratio - 1), U, 100).text.replace(" ± ", " % ± ")
+    return f"Against W_T on the recorded waveform W_exp is {amount} % {'more' if ratio >= 1 else 'less'}."
 
 
 def _line(report: Report) -> str:
@@ -184,7 +184,8 @@ def _claims(report: Report) -> str:
     words = {"holds": "hold", "does not hold": "do not hold", "undecided": "are undecided", "imposed": "are imposed"}
     if len(report["claims"]) == 1:
         return f"The only claim: {report['claims'][0]['verdict']}."
-    told = [f"{count[word]} {words[word]}" for word in words if count[word]]
+    single = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided", "imposed": "is imposed"}
+    told = [f"{count[word]} {(single if count[word] == 1 else words)[word]}" for word in words if count[word]]
     return f"Of {len(report['claims'])} claims {', '.join(told)}."
 
 

@@ -9,6 +9,9 @@ from rich.table import Table
 PIPE_WIDTH = 200
 """Columns where nobody's window sets them: in a pipe or a log nothing is cut or wrapped."""
 
+PLAIN = str.maketrans({"±": "+-", "²": "2", "∞": "inf"})
+"""Signs that a terminal without UTF-8 lacks."""
+
 
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
     """The console that results or progress are printed to; what a foreign file holds is text to it, never markup."""
@@ -56,9 +59,11 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], lef
 
 
 def print_report(console: Console, report: Mapping[str, Any]) -> None:
-    """The verdict table of a run: a line per condition, the agreement, the nulls, the verdict and its reasons."""
+    """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement and the checks."""
+    from analysis.report import wording
     from analysis.report.fidelity import fidelity_sentences
     from analysis.report.mistake import mistake_sentences
+    from analysis.words import counted
 
     rows = (
         (
@@ -73,20 +78,16 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
         table("Energies in mJ per cycle, fill in %, d in mm, a in m/s2", columns, rows, ("id", "grains", "bed"))
     )
     for claim in report["claims"]:
-        console.print(f"claim: {claim['claim']}: {claim['verdict']} ({claim['why']})")
-    agreement = report["agreement"]
-    if agreement["ratio"] is not None:
-        console.print(
-            f"\nSum of W_exp over sum of W_T: {agreement['ratio']:.3f} +- {agreement['U_ratio']:.3f} "
-            f"(mean offset {percent(agreement['mean_offset'])} over {agreement['n']} conditions)"
-        )
+        console.print(f"claim, {claim['verdict']}: {claim['claim'].rstrip('.')} ({claim['why']})")
+    console.print()
     ideal = " (ideal waveform assumed in servo drive)" if report["waveform"] == "ideal" else ""
     console.print(f"tests: {report['tests']}; waveform: {report['waveform']}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print(f"\n{sentence}", soft_wrap=True)
     for flag in report["flags"]:
         worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"
-        console.print(f"warning: {flag['flag']} in {len(flag['runs'])} runs{worst}")
+        console.print(f"warning: {flag['flag']} in {counted(len(flag['runs']), 'run')}{worst}")
     console.print(f"verdict: {report['verdict']}")
-    for reason in report["reasons"]:
-        console.print(f"  {reason}")
+    *told, _flags = wording.found(report)
+    for sentence in (*wording.failures(report), wording.headline(report), *told, *wording.reasons(report)):
+        console.print(f"  {sentence.translate(PLAIN)}")

@@ -54,7 +54,7 @@ def test_counted():
 def test_claims_that_are_not_there_are_not_counted(report):
     claim = {"claim": "", "test": "", "found": "", "verdict": "holds", "why": "", "ties": [], "cases": []}
     report["claims"] = [claim, claim | {"verdict": "undecided"}]
-    assert "Of 2 claims 1 hold, 1 are undecided." in wording.found(report)
+    assert "Of 2 claims 1 holds, 1 is undecided." in wording.found(report)
     report["claims"] = [claim]
     assert "The only claim: holds." in wording.found(report)
 
