@@ -52,7 +52,7 @@ def verdict(
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     checks = [
         _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
-        _chain(chain, share), _repeats(results), (bool(results), "" if results else "No run can be used."),
+        _chain(chain, share, bool(results)), _repeats(results), (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
@@ -63,7 +63,8 @@ def verdict(
 
 def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str]:
     if closure is None:
-        return True, "The energy account is not checked: the record holds no truth."
+        why = "the record holds no truth" if results else "no run can be used"
+        return True, f"The energy account is not checked: {why}."
     good = all(
         run.ledger["closure"] <= CLOSES.get(result.setting.drive, CLOSES["servo"])
         for result in results
@@ -134,9 +135,10 @@ def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tu
     return True, "No run is overloaded or faulted."
 
 
-def _chain(chain: Sequence[bool], share: float | None) -> tuple[bool, str]:
+def _chain(chain: Sequence[bool], share: float | None, any_run: bool) -> tuple[bool, str]:
     if share is None:
-        return True, "The chain comparison is not made: the record holds no truth."
+        why = "the record holds no truth" if any_run else "no run can be used"
+        return True, f"The chain comparison is not made: {why}."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
     shared = "The instruments' error is common to all of them: this is one draw, outside its U in 1 of 20 sessions."
     return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed). {shared}"

@@ -130,7 +130,8 @@ def timing(view: LiveView) -> str:
     late = view.punctuality
     if not late.count:
         return ""
-    mean, jitter, worst = (f"{1e3 * value:.2g} ms" for value in (late.mean, late.jitter, late.worst))
+    told = (1e3 * value for value in (late.mean, late.jitter, late.worst))
+    mean, jitter, worst = (f"{ms:.0f} ms" if ms >= 10 else f"{ms:.2g} ms" for ms in told)
     return f"paced: {late.count} blocks, late by {mean} in the mean (jitter {jitter}), {worst} at worst"
 
 
