@@ -52,7 +52,8 @@ def verdict(
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     checks = [
         _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
-        _chain(chain, share, bool(results)), _repeats(results), (bool(results), "" if results else "No run can be used."),
+        _chain(chain, share, bool(results)), _repeats(results),
+        (bool(results), "" if results else "No run can be used."),
     ]  # fmt: skip
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
