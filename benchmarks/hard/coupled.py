@@ -161,7 +161,7 @@ def long_run() -> Outcome:
 
 
 def floor() -> Outcome:
-    """A plastic slug of 46 g thrown by a box of 12 kg at 2.4 g once a cycle, without a lid and with one out of reach."""
+    """A plastic slug of 46 g thrown by a 12 kg box at 2.4 g once a cycle, without a lid and with one out of reach."""
     rig, cycles = load_rig("default"), 200
     made = {}
     for gap in (0.2, "none"):
