@@ -167,7 +167,7 @@ def floor() -> Outcome:
     for gap in (0.2, "none"):
         scene = Scene(
             bed="slug", axis="vertical", grains=Grains(density=3400.0, fill=0.1, diameter=2e-3), losses=(),
-            cavity=Cavity(length=0.06, width=0.06, height=0.06, wall=0.03), slug=Slug(gap=gap),  # type: ignore[arg-type]
+            cavity=Cavity(length=0.06, width=0.06, height=0.06, wall=0.03), slug=Slug(gap=gap),
         )  # fmt: skip
         tested = stand(rig, scene)
         tested.advance(Command((25.0 + 0j,), 20.0, cycles))
