@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from daq.fir import OVERSAMPLING
 from rig.beds.stack import nominal
 from rig.campaign.dwelling import STOPS, Dwelling
-from rig.campaign.peaks import PASS_BAND, beyond, steady, use_of, with_peaks_of
+from rig.campaign.peaks import AHEAD, PASS_BAND, beyond, steady, use_of, with_peaks_of
 from rig.campaign.setup import Campaign
 from rig.drive.dwell import phasors
 from rig.drive.exciter import Demand
@@ -18,7 +18,7 @@ from rig.fidelity.rows import side_by_side
 from rig.ledger import COLUMNS, IN_BED
 from rig.losses import LOST
 from rig.scene import Condition
-from rig.stand import Stand
+from rig.stand import CHUNK_CYCLES, Stand
 
 Array = NDArray[np.float64]
 
@@ -48,15 +48,16 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
     those of all rows, as in its runs."""
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     motion = Waveform(drive.frequency, drive.acceleration)
+    stand = Stand(scene, rig, motion, nominal(scene, rig), rate)
+    stand.advance()  # loads what is compiled
     started = time.perf_counter()
-    stand = steady(scene, rig, motion, nominal(scene, rig), rate)
-    seconds = time.perf_counter() - started
-    rows = stand.drain_ledger()
+    rows = steady(stand).drain_ledger()
+    seconds = (time.perf_counter() - started) / (AHEAD * CHUNK_CYCLES)
     use = use_of(rig, stand)
     force = use.peak * rig.exciter.force_peak + stand.weight
     full, more = side_by_side(scene), None
     if beyond(use) and full is not scene:
-        more = use_of(rig, steady(full, rig, motion, nominal(full, rig), rate))
+        more = use_of(rig, steady(Stand(full, rig, motion, nominal(full, rig), rate)))
     if more is not None and condition.id in campaign.choices:
         use, more = with_peaks_of(use, more), None
     return Look(
@@ -67,7 +68,7 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
         mass=apparent_mass(stand, motion),
         force=force,
         acceleration=drive.acceleration,
-        seconds=seconds / len(rows),
+        seconds=seconds,
     )
 
 

@@ -3,11 +3,8 @@
 from dataclasses import replace
 
 from daq.fir import OVERSAMPLING
-from rig.beds.stack import Filling
 from rig.catalog.entries import Rig
 from rig.drive.exciter import Demand, demand
-from rig.drive.waveform import Waveform
-from rig.scene import Scene
 from rig.stand import Stand
 
 PASS_BAND = 0.45
@@ -22,9 +19,8 @@ def beyond(use: Demand) -> bool:
     return max(use.peak, use.buckling) > 1.0
 
 
-def steady(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, rate: float) -> Stand:
-    """A stand sampled at `rate` (S/s, oversampled) behind its first cycles."""
-    stand = Stand(scene, rig, motion, filling, rate)
+def steady(stand: Stand) -> Stand:
+    """A stand taken through some cycles more."""
     for _ in range(AHEAD):
         stand.advance()
     return stand

@@ -139,9 +139,8 @@ class Campaign:
         if run.condition.id not in self.choices or not beyond(use):
             return use
         scene = side_by_side(run.condition.scene)
-        return with_peaks_of(
-            use, use_of(self.rig, steady(scene, self.rig, stand.motion, self.filling(run, scene), stand.rate))
-        )
+        full = Stand(scene, self.rig, stand.motion, self.filling(run, scene), stand.rate)
+        return with_peaks_of(use, use_of(self.rig, steady(full)))
 
     def dwelling(self, run: Run) -> Dwelling:
         """The dwell of a run in coupled drive, at rest."""
