@@ -45,6 +45,7 @@ def agreement(
     fidelity: Mapping[str, Any] | None = None,
     resolved: Mapping[str, str] | None = None,
     loop_backs: Sequence[LoopBack] = (),
+    sweeps: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """The report of a session.
 
@@ -56,7 +57,7 @@ def agreement(
     actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
     finely and how long each condition was simulated, where that was chosen and not written, as the session says.
     resolved: protocol and rig file written out, with which the session can be repeated. loop_backs: what runs with one
-    voltage at both inputs tell.
+    voltage at both inputs tell. sweeps: of runs that sweep (analysis.sweep), which state no energy.
 
     Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
     """
@@ -74,7 +75,7 @@ def agreement(
     nulls = null_tests(settings, grouped, channels) + loop_back_nulls(loop_backs, channels)
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
-    judged = verdict(results, nulls, known, ledger["closure_max"], left_out)
+    judged = verdict(results, nulls, known, ledger["closure_max"], left_out, sweeps)
     ideal = synthetic and all(result.setting.drive == "servo" for result in results)
     report = {
         "schema": SCHEMA,
@@ -109,6 +110,8 @@ def agreement(
         "instruments": [_instrument(channel) for channel in channels.values()],
         "assumed": [dict(value) for value in assumed],
     }
+    if sweeps:
+        report["sweeps"] = [dict(one) for one in sweeps]
     if resolved:
         report["resolved"] = dict(resolved)
     if fidelity is not None:

@@ -22,12 +22,15 @@ class Online:
 
     The window, the corrections and the loop integral are those of run_energy. Poles are undone over the cycles that a
     block completes in place of 64 at a time: W of a cycle differs by the mean that is taken off first, of the order of
-    1/(w tau) of the scatter between cycles. ValueError where no whole cycle fits into the planned samples.
+    1/(w tau) of the scatter between cycles. ValueError where no whole cycle fits into the planned samples, and for a
+    sweep.
     """
 
     def __init__(
         self, channels: Sequence[ChannelInfo], setting: Setting, rate: float, samples: int, phase: float = 0.0
     ) -> None:
+        if setting.sweep_to is not None:
+            raise ValueError("a sweep has no cycles that close")
         names = [channel.name for channel in channels]
         self._rows = [names.index(name) for name in ("force", "acceleration")]
         self._channels = [channels[row] for row in self._rows]

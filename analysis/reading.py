@@ -16,6 +16,7 @@ from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
 from analysis.runs import LOOP_BACK, AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
+from analysis.sweep import sweep
 from analysis.uncertainty import noise_of
 from analysis.verdict import NOT_REACHED
 from daq.block import Flag, flag_names
@@ -49,6 +50,8 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
     setting = Setting.of(record.conditions[run.condition])
     if setting.bed == LOOP_BACK:
         raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
+    if setting.sweep_to is not None:
+        raise AnalysisError(f"{run.name} is a sweep: its cycles do not close, no energy is stated")
     force, acceleration = _channel(record, FORCE), _channel(record, ACCELERATION)
     scalars = record.scalars(run.name)
     window = _window(run, setting, force, scalars)
@@ -146,12 +149,14 @@ def read_session(
     energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
     cannot be used are listed under `left_out` with the reason.
     """
-    known, loop_backs, left_out = dict(energies or {}), [], []
+    known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
     for run in record.runs:
         if run.name not in known:
             try:
                 if record.conditions[run.condition].get("bed") == LOOP_BACK:
                     loop_backs.append(_loop_back(record, run))
+                elif record.conditions[run.condition].get("sweep_to") is not None:
+                    swept.append(sweep(record, run, _flags(run, record.scalars(run.name))))
                 else:
                     known[run.name] = run_energy(record, run, tolerate_gaps)
             except AnalysisError as error:
@@ -174,7 +179,15 @@ def read_session(
         fidelity=checked("fidelity", record.document("fidelity")),
         resolved=_resolved({"protocol": protocol, "rig": rig}),
         loop_backs=loop_backs,
+        sweeps=swept,
     )
+
+
+def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """Flags of a run whose samples are read as a whole. AnalysisError where some are missing or mean nothing."""
+    if run.flags & BROKEN:
+        raise AnalysisError(f"{run.name} has {', '.join(flag_names(run.flags & BROKEN))}")
+    return (*flag_names(run.flags & SETTLED), *_limits(scalars), *_stops(scalars))
 
 
 def _loop_back(record: Record, run: RunFacts) -> LoopBack:

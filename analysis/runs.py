@@ -155,7 +155,8 @@ CONDITION = Keys(
         "moving_mass": MASS,
     },
     {
-        "dashpot_c": SIZE, "mistake": Either(Null(), MISTAKE), "losses": List(Text()), "support": Text(),
+        "dashpot_c": SIZE, "sweep_to": Either(Null(), ONE), "mistake": Either(Null(), MISTAKE), "losses": List(Text()),
+        "support": Text(),
         "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
     },
 )  # fmt: skip
@@ -167,7 +168,8 @@ class Setting:
     """A condition: what was set, as the session says. SI units, None for what nobody wrote down.
 
     carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for other beds; mistake:
-    what is deliberately done wrong (analysis.mistakes).
+    what is deliberately done wrong (analysis.mistakes); sweep_to: Hz, of a record that sweeps there
+    from `frequency`.
     """
 
     id: str
@@ -188,11 +190,12 @@ class Setting:
     moving_mass: float
     dashpot_c: float | None = None
     mistake: Mapping[str, Any] | None = None
+    sweep_to: float | None = None
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
         """The setting in a session's condition. AnalysisError naming the first key that is missing or wrong."""
-        known = {"dashpot_c": None, "mistake": None, **condition}
+        known = {"dashpot_c": None, "mistake": None, "sweep_to": None, **condition}
         for name in cls.__slots__:
             if name not in known:
                 raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")

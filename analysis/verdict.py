@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from analysis.conditions import Result
 from analysis.nulls import Null
@@ -45,15 +45,18 @@ def verdict(
     references: Sequence[Reference],
     closure: float | None,
     left_out: Sequence[Mapping[str, str]],
+    sweeps: Sequence[Mapping[str, Any]] = (),
 ) -> Verdict:
-    """Judge a session. A check that the record cannot answer (no truth, no null test) is said and fails nothing."""
+    """Judge a session; sweeps: of runs that state no energy. A check that the record cannot answer (no truth, no null
+    test) is said and fails nothing."""
     chain = [abs(r.chain.value) <= r.chain.U for r in results if r.chain is not None]
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
+    faulted += [str(one["run"]) for one in sweeps if _faulted(one["flags"])]
     checks = [
         _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
         _chain(chain, share, bool(results)), _repeats(results),
-        (bool(results), "" if results else "No run can be used."),
+        (bool(results or sweeps), "" if results or sweeps else "No run can be used."), _sweeps(len(sweeps)),
     ]  # fmt: skip
     if not nulls:
         checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
@@ -143,6 +146,10 @@ def _chain(chain: Sequence[bool], share: float | None, any_run: bool) -> tuple[b
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
     shared = "The instruments' error is common to all of them: this is one draw, outside its U in 1 of 20 sessions."
     return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed). {shared}"
+
+
+def _sweeps(count: int) -> tuple[bool, str]:
+    return True, f"Force and acceleration against frequency, no energy: {counted(count, 'sweep')}." if count else ""
 
 
 def _repeats(results: Sequence[Result]) -> tuple[bool, str]:

@@ -31,6 +31,8 @@ LEAST_SAMPLES = 500
 MOST_SAMPLES_PER_CYCLE = 10**6
 MOST_SAMPLES = 10**9
 MOST_LAYERS = 20000
+LEAST_SWEEP = 20
+"""Cycles of a sweep at least: each of them is a point."""
 MOST_ROWS = 10**7
 LONGEST_READING = 64
 """Cycles that the analysis holds at a time; a reading of broken cycles takes one such stretch."""
@@ -52,6 +54,7 @@ def conflicts(scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict
     yield from _names(scene, acquire)
     yield from _box(scene)
     yield from _sampling(drive, acquire)
+    yield from _sweep(drive, acquire)
     yield from _inputs(drive, acquire)
 
 
@@ -120,7 +123,7 @@ def _box(scene: Scene) -> Iterator[Conflict]:
 
 
 def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency")
+    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency", "drive.sweep_to")
     wanted = acquire.samples_per_cycle
     if wanted < LEAST_SAMPLES and not acquire.allow_undersampled:
         hint = "set acquire.allow_undersampled: true to go below"
@@ -131,18 +134,38 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     if spec is None:
         return
     fastest = max(spec.rates)
-    if fastest < drive.frequency * wanted * (1 - 1e-12):
-        found = f"{wanted} samples per cycle at {drive.frequency:g} Hz"
-        allowed = f"at most {fastest / drive.frequency:.4g} there: the fastest rate of {spec.model} is {fastest:g} S/s"
+    if fastest < drive.fastest * wanted * (1 - 1e-12):
+        found = f"{wanted} samples per cycle at {drive.fastest:g} Hz"
+        allowed = f"at most {fastest / drive.fastest:.4g} there: the fastest rate of {spec.model} is {fastest:g} S/s"
         yield Conflict((path, *paths), found, allowed)
         return
-    actual = spec.rate_for(drive.frequency, wanted) / drive.frequency
+    actual = spec.rate_for(drive.fastest, wanted) / drive.frequency
     if actual > MOST_SAMPLES_PER_CYCLE:
         found = f"{drive.frequency:g} Hz, {actual:.4g} samples per cycle at the analyzer's slowest rate"
         yield Conflict(("drive.frequency", *paths), found, f"at most {MOST_SAMPLES_PER_CYCLE} samples per cycle")
     elif actual * (acquire.settle + acquire.record) > MOST_SAMPLES:
         found = f"{actual * (acquire.settle + acquire.record):.4g} samples in a run"
         yield Conflict(("acquire.record", "acquire.settle", path, *paths), found, f"at most {MOST_SAMPLES}")
+
+
+def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+    """A sweep is played open loop, and only as many cycles as its points need."""
+    if drive.sweep_to is None:
+        return
+    found = f"a sweep to {drive.sweep_to:g} Hz"
+    if drive.mode != "coupled":
+        yield Conflict(("drive.sweep_to", "drive.mode"), f"{found} in {drive.mode} drive", "drive.mode: coupled")
+    elif drive.control != "open":
+        allowed = "drive.control: open (no level is held through a resonance)"
+        yield Conflict(("drive.sweep_to", "drive.control"), f"{found} under level control", allowed)
+    if drive.sweep_to == drive.frequency:
+        yield Conflict(("drive.sweep_to", "drive.frequency"), f"{found} from the same", "another frequency, or null")
+    if acquire.trigger.channel != "none":
+        allowed = "acquire.trigger.channel: none (the sweep starts behind the settling)"
+        yield Conflict(("drive.sweep_to", "acquire.trigger.channel"), f"{found} started by a trigger", allowed)
+    if acquire.record < LEAST_SWEEP:
+        allowed = f"at least {LEAST_SWEEP} cycles"
+        yield Conflict(("acquire.record", "drive.sweep_to"), f"{found} in {acquire.record} cycles", allowed)
 
 
 def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:

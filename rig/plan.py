@@ -55,10 +55,11 @@ def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -
     """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle that were asked for; a
     cycle more where a trigger starts the record anywhere in one."""
     acquire, drive = condition.acquire, condition.drive
-    rate = analyzer.rate_for(drive.frequency, acquire.samples_per_cycle)
+    rate = analyzer.rate_for(drive.fastest, acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency
     settle = math.floor(acquire.settle * per_cycle + filter_delay)
-    samples = math.ceil((acquire.settle + acquire.record) * per_cycle + filter_delay) + 1
+    record = drive.swept_time(acquire.record) * drive.frequency  # in cycles of the first frequency
+    samples = math.ceil((acquire.settle + record) * per_cycle + filter_delay) + 1
     if acquire.trigger.channel != "none":
         samples += math.ceil(per_cycle)  # whole cycles from the first that starts after the record
     return Lengths(rate, settle, samples, (*_pieces(settle), *_pieces(samples - settle)))
@@ -83,7 +84,8 @@ def predictions(
 
 def has_level(condition: Condition) -> bool:
     """Whether a level is set, on which a sine's W_T can be predicted: not in open loop."""
-    return condition.drive.mode == "servo" or condition.drive.control == "level"
+    drive = condition.drive
+    return drive.mode == "servo" or drive.control == "level"
 
 
 def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]) -> dict[str, Any]:
@@ -121,6 +123,7 @@ def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
         "axis": scene.axis,
         "drive": drive.mode,
         "frequency": drive.frequency,
+        **({} if drive.sweep_to is None else {"sweep_to": drive.sweep_to}),
         "bed_mass": point.bed_mass,
         "box_mass": point.box_mass,
     }

@@ -116,7 +116,8 @@ class Drive:
     """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform.
     Coupled drive: what the amplifier commands, and the end of the stinger that the gauge and its mass are fixed to;
     whether the level is controlled (from `below`, or coming down from `above`; `harmonics` of the acceleration, 1 for
-    the amplitude alone; giving up after `timeout`) or a `command` is held, a share of the amplifier's limit."""
+    the amplitude alone; giving up after `timeout`) or a `command` is held, a share of the amplifier's limit.
+    sweep_to: frequency that the record's cycles sweep to, in a straight line over time; None holds it."""
 
     mode: Mode = "servo"
     frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 20.0
@@ -129,6 +130,16 @@ class Drive:
     approach: Approach = "below"
     harmonics: Annotated[int, Quantity("number", 1, 40)] = 1
     timeout: Annotated[int, Quantity("cycles", 1, 100000)] = 60
+    sweep_to: Annotated[float | None, Quantity("frequency", 0.0, 10000.0, above=True)] = None
+
+    @property
+    def fastest(self) -> float:
+        """The highest frequency, Hz."""
+        return self.frequency if self.sweep_to is None else max(self.frequency, self.sweep_to)
+
+    def swept_time(self, cycles: float) -> float:
+        """How long so many cycles of the record last, s."""
+        return cycles / (self.frequency if self.sweep_to is None else 0.5 * (self.frequency + self.sweep_to))
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from analysis.report.energy_figures import energy_plots
 from analysis.report.fidelity import fidelity
 from analysis.report.offset_figures import bland_altman, nulls_plot, offset_plot, terms_plot
 from analysis.report.reasons import causes, offset_terms
+from analysis.report.sweep import sweep_plot, sweeps
 
 __all__ = ["Section", "plots", "sections"]
 
@@ -43,6 +44,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
         part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
         part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
         part("Uncertainty", (), tables.budget(report)),
+        part("Sweeps", (sweep_plot(report),), sweeps(report)),
         part("Waveforms", (waveform_plot(report),)),
         part("Cycles and runs", (repeats_plot(report),)),
         part("What was claimed", (), tables.claims(report)),

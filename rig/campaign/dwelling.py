@@ -97,10 +97,13 @@ class Dwelling:
     def __init__(
         self, condition: Condition, rig: Rig, filling: Filling, rate: float, clock: float = 1.0, reading: float = 1.0
     ) -> None:
-        drive = replace(condition.drive, frequency=condition.drive.frequency * clock)
+        asked = condition.drive
+        drive = replace(asked, frequency=asked.frequency * clock, sweep_to=asked.sweep_to and asked.sweep_to * clock)
         self.stand = CoupledStand(condition.scene, rig, drive, filling, rate, self._command, SIGNALS)
         steady = condition.acquire.settle + condition.acquire.record + MARGIN
         plan = _plan(drive, rig.exciter, self.stand, steady, reading)
+        if drive.sweep_to is not None:
+            plan = replace(plan, sweep=(condition.acquire.settle, condition.acquire.record, drive.sweep_to))
         self.dwell = Dwell(plan, rate, SIGNALS.index("acceleration"), SIGNALS.index("current"), self._shares)
         self._used = Used(rig.exciter)
         self._seen = 0

@@ -73,7 +73,8 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
 
 
 def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The dwell with the nominal bed, until its level is held, and some cycles more."""
+    """The dwell with the nominal bed, until its level is held, and some cycles more; a sweep from end to end, energies
+    and level at the frequency where it begins."""
     rig, frequency = campaign.rig, condition.drive.frequency
     started = time.perf_counter()
     dwelling = Dwelling(condition, rig, nominal(condition.scene, rig), rate)
@@ -82,18 +83,25 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
         cycles += 1
         dwelling.stand.read(round(cycles * rate / frequency) - round((cycles - 1) * rate / frequency))
         dwelling.ledger()
+    acquire, swept = condition.acquire, condition.drive.sweep_to is not None
     signals = dwelling.stand.read(round(HELD * rate / frequency))
     rows = dwelling.ledger()[:HELD]
-    seconds = (time.perf_counter() - started) / (cycles + HELD)
     last = signals[:2, -round(HELD // 2 * rate / frequency) :]
-    force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in last)
+    if swept:
+        wanted = round((acquire.settle / frequency + condition.drive.swept_time(acquire.record)) * rate)
+        last = dwelling.stand.read(max(wanted - signals.shape[1], 1))[:2]
+        cycles += acquire.settle + acquire.record - HELD
+        dwelling.ledger()
+    seconds = (time.perf_counter() - started) / (cycles + HELD)
+    begin = signals[:2, : round(rate / frequency)] if swept else last
+    force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in begin)
     recorded = _within(last, rate, PASS_BAND * rate / OVERSAMPLING)
     scalars = dwelling.scalars()
     level = abs(acceleration)
     return Look(
         exciter=dwelling.demand,
         side_by_side=None,
-        lost=_lost(rows[HELD // 2 :]),
+        lost=_lost(rows[: 1 if swept else HELD][0 if swept else HELD // 2 :]),
         level=level,
         mass=(force * acceleration.conjugate()).real / level**2 if level else 0.0,
         force=float(np.abs(recorded[0]).max()),

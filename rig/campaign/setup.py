@@ -24,7 +24,7 @@ from rig.campaign.loop_back import LoopBack, inputs_alone
 from rig.campaign.peaks import beyond, steady, use_of, with_peaks_of
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
-from rig.campaign.recorded import Listener
+from rig.campaign.recorded import NAMES, Listener
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
@@ -85,7 +85,7 @@ class Campaign:
     @property
     def rig_time(self) -> float:
         """Seconds of motion that the whole protocol lasts."""
-        once = sum((c.acquire.settle + c.acquire.record) / c.drive.frequency for c in self.conditions)
+        once = sum(c.acquire.settle / c.drive.frequency + c.drive.swept_time(c.acquire.record) for c in self.conditions)
         return once * self.protocol.repeats.n
 
     @property
@@ -161,6 +161,7 @@ class Campaign:
         beginning = Beginning(faulty, run, size, lead)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         listener = self._listener(run)
+        silent = dict.fromkeys(NAMES, float("nan")) if self.recorded else {}
         for number, samples in enumerate(size.blocks):
             block = beginning.read(samples)
             if listener is not None:
@@ -171,7 +172,9 @@ class Campaign:
                 yield Part(run.name, block, rows)
             else:
                 found = [road.scalars(), beginning.scalars() if self.triggered else {}]
-                yield Part(run.name, block, rows, {**found[0], **found[1], **(listener.scalars() if listener else {})})
+                yield Part(
+                    run.name, block, rows, {**found[0], **found[1], **(listener.scalars() if listener else silent)}
+                )
 
     def led(self, run: Run, source: PhysicalSource) -> PhysicalSource:
         """What is led to the instruments: the stand's signals, or in a loop-back the generator's voltage."""
@@ -191,7 +194,7 @@ class Campaign:
 
     def _listener(self, run: Run) -> Listener | None:
         """What predicts from the record of a run, where that is wanted."""
-        if not self.recorded:
+        if not self.recorded or run.condition.drive.sweep_to is not None:
             return None
         size, tools = self.lengths[run.condition.id], self.instruments
         row = [channel.name for channel in tools.channels].index(LEVEL_OF)

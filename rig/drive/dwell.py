@@ -28,6 +28,8 @@ class Plan:
     guess : fundamental of the first command, V or A
     targets : levels to be reached one after the other, the last one recorded; none: the guess is held, open loop
     steady : cycles to be held under the last command
+    sweep : where so many of them begin (cycle), how many they are, and the frequency (Hz) that they sweep to, the rest
+    staying there; None for no sweep
     response : acceleration of the box alone per command, harmonics 1, 2, ...: as many are controlled
     reading : what the controller's accelerometer reads of a unit of true acceleration
     """
@@ -38,6 +40,16 @@ class Plan:
     steady: int
     response: tuple[complex, ...]
     reading: float = 1.0
+    sweep: tuple[int, int, float] | None = None
+
+    def at(self, cycle: int) -> float:
+        """Frequency when so many of the held cycles are over: it grows in a straight line over time, so its square does
+        over the cycles."""
+        if self.sweep is None:
+            return self.frequency
+        first, count, last = self.sweep
+        share = min(max(cycle - first, 0), count) / count
+        return float(np.sqrt(self.frequency**2 + (last**2 - self.frequency**2) * share))
 
 
 def phasors(signal: Array, first: int, per_second: float, frequency: float, count: int) -> tuple[complex, ...]:
@@ -84,13 +96,17 @@ class Dwell:
         if self.steady_from is None:
             return self._next(self.loop.command, 1)
         done = self._cycles - self.steady_from
+        if done < self._plan.steady and self._plan.sweep is not None:
+            self._cycles += 1
+            return Command(self.loop.command, self._plan.at(done), 1, self._plan.at(done + 1))
         if done < self._plan.steady:
             return self._next(self.loop.command, min(HELD, self._plan.steady - done))
         return self._next((), RAMP_DOWN)
 
     def _next(self, phasor: tuple[complex, ...], cycles: int) -> Command:
+        end = self._plan.frequency if self.steady_from is None else self._plan.at(self._cycles - self.steady_from)
         self._cycles += cycles
-        return Command(phasor, self._plan.frequency, cycles)
+        return Command(phasor, end, cycles)
 
     def _control(self, signals: Array, first: int) -> None:
         """One step of the loop from the last cycle of the signals."""
