@@ -14,7 +14,7 @@ OPEN = (
     ("scene.layers.spread", "", "relative spread of the play over the rows of a layer"),
     ("scene.layers.rows", "", "strata per layer; physically width over diameter"),
     ("drive.frequency", "frequency", "the paper gives none"),
-    ("drive.mode", "", "servo is an ideal waveform controller, which no exciter of this class is"),
+    ("drive.mode", "", "the paper does not say; servo is an ideal waveform, coupled has the exciter in the loop"),
 )
 """Path, dimension, why it is assumed."""
 
@@ -35,4 +35,4 @@ def assumed_settings(conditions: Sequence[Condition]) -> list[dict[str, Any]]:
 
 def _over_all(path: str, conditions: Sequence[Condition]) -> Any:
     found = list(dict.fromkeys(map(attrgetter(path), conditions)))
-    return found[0] if len(found) == 1 else ", ".join(map(str, found))
+    return found[0] if len(found) == 1 else ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in found)

@@ -15,7 +15,7 @@ from analysis.report.style import CSS, SORT
 __all__ = ["html_text", "page"]
 
 LONG = 40  # characters: longer cells may wrap
-WIDE = 18  # characters: longer words take a line of a phone's card
+WIDE = 14  # characters: longer words take a line of a phone's card
 
 
 def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
