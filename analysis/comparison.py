@@ -90,6 +90,7 @@ def agreement(
             | {
                 "offset_terms": offset_terms(result, entries.get(result.setting.id), channels, actual),
                 "allowed_remainder": allowed_remainder(result),
+                "varied": _varied(conditions[result.setting.id]),
             }
             for result in results
         ],
@@ -120,6 +121,12 @@ def agreement(
     if mistake is not None:
         report["mistake"] = mistake
     return {key: _jsonable(value) for key, value in report.items()}
+
+
+def _varied(condition: Mapping[str, Any]) -> dict[str, str]:
+    """What the protocol varied beside the settings that every condition has; nothing where the session does not say."""
+    found = condition.get("varied")
+    return {str(name): str(text) for name, text in found.items()} if isinstance(found, Mapping) else {}
 
 
 def _level(setting: Setting) -> tuple[str, float, float]:

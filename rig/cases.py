@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import is_dataclass
 from functools import reduce
 from typing import Any
 
@@ -22,6 +23,21 @@ def cases(protocol: Protocol, conditions: Sequence[Condition]) -> list[dict[str,
     about a mean over them. A value that no condition has gives no level.
     """
     return [_claim(claim, protocol, conditions) for claim in protocol.expect]
+
+
+TOLD = {"scene.bed", "scene.grains.material", "scene.grains.density", "scene.grains.diameter", "scene.grains.fill",
+        "drive.mode", "drive.frequency", "drive.acceleration"}  # fmt: skip
+"""Paths whose values the report's table of conditions has anyway."""
+
+
+def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
+    """What else the protocol varies, by the last word of its path: the condition's values for people."""
+    paths = [path for axis in protocol.vary for path in axis.paths if path not in TOLD and "." in path]
+    return {
+        path.rpartition(".")[2]: _text(path, _at(condition, path))
+        for path in paths
+        if not is_dataclass(_at(condition, path))
+    }
 
 
 def label(path: str, value: Any) -> str:

@@ -74,7 +74,9 @@ def series(rows: Sequence[Row], x: str) -> dict[str, list[Row]]:
         names.remove("material")
     found: dict[str, list[Row]] = {}
     for row in rows:
-        found.setdefault(", ".join(word(name, row[name]) for name in names), []).append(row)
+        also = row.get("varied", {}).items()
+        words = [*(word(name, row[name]) for name in names), *(f"{name} {text}" for name, text in also)]
+        found.setdefault(", ".join(words), []).append(row)
     return {label: sorted(mine, key=lambda row: float(row[x])) for label, mine in found.items()}
 
 
@@ -184,10 +186,10 @@ def _beds(rows: Sequence[Row]) -> Plot:
     shown = rows[:MOST_PANELS]
     values = [1e3 * (row["W_exp"] + sign * row["U_W_exp"]) for row in shown for sign in (-1, 1)]
     values += [1e3 * row["W_T"] for row in shown if row["W_T"] is not None]
-    names = [row["id"] for row in shown]
-    panel = Panel(
-        linear((-0.5, len(shown) - 0.5)), linear(values, zero=True), "condition", "W, mJ per cycle", names=names
-    )
+    told = {tuple(row.get("varied", {})) for row in shown}
+    (only,) = next(iter(told)) if len(told) == 1 and len(next(iter(told))) == 1 else ("condition",)
+    names = [row.get("varied", {}).get(only, row["id"]) for row in shown]
+    panel = Panel(linear((-0.5, len(shown) - 0.5)), linear(values, zero=True), only, "W, mJ per cycle", names=names)
     for place, row in enumerate(shown):
         panel.dots([place] * len(row["runs"]), [1e3 * run["W_exp"] for run in row["runs"]], BLUE)
         panel.bars([place], [1e3 * row["W_exp"]], [1e3 * row["U_W_exp"]], BLUE, MARKERS[0])

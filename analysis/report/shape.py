@@ -11,7 +11,7 @@ from typing import Any
 from analysis import between
 from analysis.comparison import SCHEMA
 from analysis.offset import TERMS
-from daq.shapes import Either, Keys, List, Null, Number, Shape, Text, YesNo
+from daq.shapes import Each, Either, Keys, List, Null, Number, Shape, Text, YesNo
 from daq.shapes_schema import json_schema
 
 __all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
@@ -56,7 +56,7 @@ CONDITION = Keys(
         {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
         {"offset_terms": Keys(dict.fromkeys(TERMS, VALUE), null=True)},
     ),
-    _each("W_T_low W_T_high E_n_model", KNOWN),
+    _each("W_T_low W_T_high E_n_model", KNOWN) | {"varied": Each(Text())},
 )
 LINE = Keys(_each("slope U_slope intercept U_intercept chi2 dof", VALUE), null=True)
 COMPARISON = Keys(_all(_each("comparison against why", Text()), _each("n within", Number(0, whole=True))))

@@ -21,6 +21,8 @@ def conditions(report: Report) -> Table:
         "id", "grains", "fill, %", "a, m/s²", "W_exp ± U, mJ", "W_T ± U, mJ", "offset, %", "E_n", "E_n chain",
         "detect, mJ", "eta", "M_eff, kg", "THD box, %", "bound, mJ",
     )  # fmt: skip
+    more = list(dict.fromkeys(name for row in report["conditions"] for name in row.get("varied", ())))
+    head = (*head[:2], *more, *head[2:])
     rows = []
     for row in report["conditions"]:
         size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:g} mm"
@@ -29,9 +31,9 @@ def conditions(report: Report) -> Table:
         fill = (
             UNKNOWN if row["fill"] is None or row["bed"] == "empty" else Cell(f"{100 * row['fill']:.4g}", row["fill"])
         )
+        also = (Cell(row.get("varied", {}).get(name, "")) for name in more)
         rows.append((
-            Cell(row["id"]), Cell(f"{bed} {grains}".strip()), fill,
-            fixed(row["acceleration"], 3),
+            Cell(row["id"]), Cell(f"{bed} {grains}".strip()), *also, fill, fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
             with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
             number(row["W_detect"], 2, 1e3), number(row["eta"]), number(row["M_eff"], 4),

@@ -10,7 +10,7 @@ from rig.campaign.fidelity import choices_document, choices_text
 from rig.campaign.practice import told
 from rig.campaign.recorded import NAMES
 from rig.campaign.setup import Campaign
-from rig.cases import cases
+from rig.cases import cases, varied
 from rig.catalog import dump_rig
 from rig.catalog.entries import Exciter
 from rig.drive.exciter import Demand, solvable_band
@@ -27,6 +27,7 @@ def session_plan(campaign: Campaign) -> SessionPlan:
     found = predictions(campaign.conditions, campaign.rig, 1, campaign.averaged)
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
+    facts = [{**fact, "varied": varied(protocol, c)} for fact, c in zip(facts, campaign.conditions, strict=True)]
     rate = campaign.lengths[campaign.conditions[0].id].rate
     if protocol.mistake.kind is not None:
         rates = [campaign.lengths[c.id].rate for c in campaign.conditions]

@@ -11,7 +11,9 @@ from analysis.estimate import Estimate
 from analysis.nulls import Null
 from analysis.references import Reference
 from analysis.report import wording
+from analysis.report.energy_figures import energy_plots
 from analysis.report.reasons import LOSSES, causes
+from analysis.report.tables import conditions
 from analysis.verdict import verdict
 from analysis.words import counted
 
@@ -72,6 +74,17 @@ def test_losses_that_are_switched_off_are_no_causes(report):
     table = causes(report)
     assert len(table.rows) == len(LOSSES) + 1
     assert [cells[3].text[0] == "(" for cells in table.rows] == [False, *[True] * (len(LOSSES) - 1), False]
+
+
+def test_what_else_was_varied_is_a_column_and_an_axis(report):
+    rows = report["conditions"][:3]
+    for row, gap in zip(rows, ("1 mm", "2 mm", "3 mm"), strict=True):
+        row |= {"varied": {"gap": gap}, "acceleration_set": 5.0, "fill": 0.2, "bed": "slug"}
+    report["conditions"] = rows
+    table = conditions(report)
+    assert [cells[table.head.index("gap")].text for cells in table.rows] == ["1 mm", "2 mm", "3 mm"]
+    (plot,) = energy_plots(report)
+    assert all(f">{text}<" in plot.svg for text in ("gap", "1 mm", "2 mm", "3 mm"))
 
 
 def test_many_checks_alike_are_one_sentence():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rig.cases import cases, label
+from rig.cases import cases, label, varied
 from rig.errors import InputError
 from rig.protocol import dump_protocol, load_protocol
 from rig.scene import Expect, Protocol
@@ -141,3 +141,12 @@ def test_labels_are_short() -> None:
 def test_dump_writes_margins_out() -> None:
     text = dump_protocol(load_protocol(f"{HEAD}expect:\n  - {{claim: a, nonlinear: drive.acceleration}}\n"))
     assert "margin: 0.1" in text
+
+
+def test_what_else_varies_is_named_with_its_value() -> None:
+    """What every condition of a report shows anyway (fill, level, bed) is left out, and so are whole groups."""
+    grid = "vary: {scene.slug.gap: [1 mm, 2 mm], scene.grains.fill: [0.5, 0.6], scene.losses: [[], [noise, air]]}\n"
+    protocol = load_protocol(f"schema: rig/protocol/1\nname: x\nscene: {{bed: slug}}\n{grid}")
+    found = [varied(protocol, condition) for condition in protocol.conditions()]
+    assert found[0] == {"gap": "1 mm", "losses": "none"}
+    assert found[-1] == {"gap": "2 mm", "losses": "noise, air"}
