@@ -129,12 +129,12 @@ def _varied(condition: Mapping[str, Any]) -> dict[str, str]:
     return {str(name): str(text) for name, text in found.items()} if isinstance(found, Mapping) else {}
 
 
-def _level(setting: Setting) -> tuple[str, float, float]:
+def _level(setting: Setting) -> tuple[Any, ...]:
     """What a condition shares with the empty box that it is compared with."""
-    return setting.drive, setting.frequency, setting.acceleration_set
+    return setting.drive, setting.frequency, setting.acceleration_set, *setting.places
 
 
-def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> dict[str, Any]:
+def _row(result: Result, empties: Mapping[tuple[Any, ...], Result]) -> dict[str, Any]:
     setting, exp, got = result.setting, result.W_exp, result.predicted
     empty = empties.get(_level(setting))
     W = [run.energy.W for run in result.runs]
@@ -164,11 +164,24 @@ def _row(result: Result, empties: Mapping[tuple[str, float, float], Result]) -> 
         **model_row(result), **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
         "E_n_coil": _E_n(result.coil_apart),
+        **_at_box(result),
         "uncertainty": [
             {"source": line.source, "unit": line.unit, "u": line.u, "c": line.c, "nu": line.nu,
              "share": (line.part / exp.u) ** 2 if exp.u else 0.0}
             for line in result.lines if line.c
         ],
+    }  # fmt: skip
+
+
+def _at_box(result: Result) -> dict[str, Any]:
+    """Places of gauge and accelerometer with the means compensated for them; nothing where they are not known."""
+    found = [run.at_box for run in result.runs if run.at_box is not None]
+    if len(found) < len(result.runs):
+        return {}
+    return {
+        "gauge": result.setting.gauge, "accelerometer": result.setting.accelerometer,
+        "W_at_box": math.fsum(one.W for one in found) / len(found),
+        "M_eff_at_box": math.fsum(one.M_eff for one in found) / len(found),
     }  # fmt: skip
 
 

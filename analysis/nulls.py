@@ -58,21 +58,22 @@ class Null:
 def null_tests(
     settings: Mapping[str, Setting], runs: Mapping[str, Sequence[RunEnergy]], channels: Mapping[str, ChannelFacts]
 ) -> tuple[Null, ...]:
-    """All null tests that the conditions allow: one per bed that cannot slide, bed mass and frequency.
+    """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency and place of the
+    instruments.
 
     settings, runs: by condition. Empty where no condition has a bed that cannot slide.
     """
-    empty: dict[float, list[RunEnergy]] = defaultdict(list)
-    bonded: dict[tuple[str, float, float], list[str]] = defaultdict(list)
+    empty: dict[tuple[Any, ...], list[RunEnergy]] = defaultdict(list)
+    bonded: dict[tuple[Any, ...], list[str]] = defaultdict(list)
     for name, setting in settings.items():
         if setting.is_empty:
-            empty[setting.frequency].extend(runs.get(name, ()))
+            empty[setting.frequency, *setting.places].extend(runs.get(name, ()))
         elif setting.is_bonded and runs.get(name):
             kind = "locked" if setting.bed == "locked" else "carried"
-            bonded[kind, setting.frequency, setting.bed_mass].append(name)
+            bonded[kind, setting.bed_mass, setting.frequency, *setting.places].append(name)
     return tuple(
-        _test(kind, frequency, mass, [list(runs[name]) for name in names], empty[frequency], channels)
-        for (kind, frequency, mass), names in bonded.items()
+        _test(kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels)
+        for (kind, mass, *at), names in bonded.items()
     )
 
 

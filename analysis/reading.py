@@ -11,6 +11,7 @@ from analysis.comparison import agreement
 from analysis.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.documents import checked
 from analysis.energy import Energy, Total, harmonics, window_energy
+from analysis.gauge import AtBox, at_box
 from analysis.loop_back import LoopBack, loop_back
 from analysis.mistakes import misread
 from analysis.offset import actual_of
@@ -85,6 +86,7 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
         use=_use(scalars),
         ledger=_ledger(record, run, setting, window, stretches),
         coil=_coil(record, run, window, energy, samples),
+        at_box=_at_box(record, setting, energy),
         recorded=recorded if math.isfinite(recorded) else None,
         u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
         clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
@@ -139,6 +141,14 @@ def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples
     orders = np.arange(1, total.size + 1)
     total *= np.exp(2j * np.pi * energy.frequency * lag * orders)
     return coil_of(total, energy, channel, exciter, samples)
+
+
+def _at_box(record: Record, setting: Setting, energy: Energy) -> AtBox | None:
+    """The run as it would be read on the box; None where the places or the stinger are not known."""
+    exciter = checked("exciter", record.document("exciter"))
+    if setting.gauge is None or setting.accelerometer is None or exciter is None:
+        return None
+    return at_box(energy, setting.gauge, setting.accelerometer, setting.gauge_mass, exciter)
 
 
 def read_session(

@@ -47,19 +47,20 @@ def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
     """All references that the conditions allow; the signs always, where there is a run."""
     if not results:
         return ()
-    rigid: dict[tuple[str, float, float], list[Result]] = defaultdict(list)
+    rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     damped: dict[tuple[float, float], list[Result]] = defaultdict(list)
     empty = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
     for result in results:
         setting = result.setting
         known = setting.box_mass + setting.gauge_mass + setting.bed_mass > 0
         if known and (setting.is_empty or setting.is_bonded):
-            rigid["empty box" if setting.is_empty else "bonded bed", setting.bed_mass, setting.frequency].append(result)
+            of = "empty box" if setting.is_empty else "bonded bed"
+            rigid[of, setting.bed_mass, setting.frequency, *setting.places].append(result)
         elif setting.bed == "dashpot" and setting.dashpot_c is not None:
             damped[setting.dashpot_c, setting.frequency].append(result)
     return (
         _signs(results),
-        *(_mass(of, found, channels) for (of, _, _), found in rigid.items()),
+        *(_mass(of, found, channels) for (of, *_), found in rigid.items()),
         *(_dashpot(c, found, empty, channels) for (c, _), found in damped.items()),
     )
 

@@ -12,6 +12,7 @@ from daq.shapes import Choice, Either, Keys, List, Null, Number, Text, YesNo, de
 
 if TYPE_CHECKING:
     from analysis.coil import Coil
+    from analysis.gauge import AtBox
 
 __all__ = [
     "CONDITION",
@@ -156,7 +157,7 @@ CONDITION = Keys(
     },
     {
         "dashpot_c": SIZE, "sweep_to": Either(Null(), ONE), "mistake": Either(Null(), MISTAKE), "losses": List(Text()),
-        "support": Text(),
+        "support": Text(), "gauge": Text(), "accelerometer": Text(),
         "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
     },
 )  # fmt: skip
@@ -169,7 +170,7 @@ class Setting:
 
     carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for other beds; mistake:
     what is deliberately done wrong (analysis.mistakes); sweep_to: Hz, of a record that sweeps there
-    from `frequency`.
+    from `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where nobody says.
     """
 
     id: str
@@ -191,17 +192,31 @@ class Setting:
     dashpot_c: float | None = None
     mistake: Mapping[str, Any] | None = None
     sweep_to: float | None = None
+    gauge: str | None = None
+    accelerometer: str | None = None
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
         """The setting in a session's condition. AnalysisError naming the first key that is missing or wrong."""
-        known = {"dashpot_c": None, "mistake": None, "sweep_to": None, **condition}
+        known = {
+            "dashpot_c": None,
+            "mistake": None,
+            "sweep_to": None,
+            "gauge": None,
+            "accelerometer": None,
+            **condition,
+        }
         for name in cls.__slots__:
             if name not in known:
                 raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")
         for sentence in deviations(dict(known), CONDITION, f"condition {known['id']}"):
             raise AnalysisError(sentence)
         return cls(**{name: known[name] for name in cls.__slots__})
+
+    @property
+    def places(self) -> tuple[str | None, str | None]:
+        """Where gauge and accelerometer are: what is read at different places is compared with nothing."""
+        return self.gauge, self.accelerometer
 
     @property
     def is_empty(self) -> bool:
@@ -221,7 +236,8 @@ class RunEnergy:
     flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
     from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
     only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
-    coil: energy as the coil's current tells it, None where that is not recorded. recorded: what is predicted on the
+    coil: energy as the coil's current tells it, None where that is not recorded. at_box: the same run compensated for
+    place and mass of the gauge, None where the stinger is not known. recorded: what is predicted on the
     waveform that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard uncertainty
     from what the bed went through before. clip_ratio: share of samples at a rail, of the channel that has most.
     """
@@ -236,6 +252,7 @@ class RunEnergy:
     ledger: Mapping[str, float] | None = None
     use: Mapping[str, float] = field(default_factory=dict)
     coil: "Coil | None" = None
+    at_box: "AtBox | None" = None
     recorded: float | None = None
     u_recorded: float = 0.0
     clip_ratio: float = 0.0

@@ -73,6 +73,7 @@ class CoupledStand:
         self.losses: Losses = losses_of(scene, rig, carried, gas)
         self._exciter = rig.exciter
         self._by_current = drive.amplifier == "current"
+        self._head = drive.accelerometer == "exciter"
         cords = self.losses.cords / (2.0 * np.pi * drive.frequency)
         self._viscous = np.array([self.bed.damping, self.losses.noise, self.losses.gas, cords])
         box = box_mass(scene.cavity, rig.wall_density) + self.bed.bonded
@@ -193,7 +194,7 @@ class CoupledStand:
         means = signals.T * self.rate
         named = {
             "force": means[kernel.MOMENTUM] + self.plant.read_mass * means[kernel.GAUGE_MASS],
-            "acceleration": means[kernel.SPEED],
+            "acceleration": means[kernel.GAUGE_MASS if self._head else kernel.SPEED],
             "voltage": means[kernel.PRESSURE],
             "current": means[kernel.FLOW],
         }

@@ -144,7 +144,14 @@ def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: flo
         "support": condition.scene.support,
         "gas": _gas_facts(condition, rig),
         "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
+        **(_places(condition)),
     }
+
+
+def _places(condition: Condition) -> dict[str, str]:
+    """The ends of the stinger that gauge and accelerometer are fixed to; servo drive has no stinger."""
+    drive = condition.drive
+    return {} if drive.mode == "servo" else {"gauge": drive.gauge, "accelerometer": drive.accelerometer}
 
 
 def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:

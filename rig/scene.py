@@ -114,7 +114,8 @@ class Scene:
 @dataclass(frozen=True)
 class Drive:
     """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact waveform.
-    Coupled drive: what the amplifier commands, and the end of the stinger that the gauge and its mass are fixed to;
+    Coupled drive: what the amplifier commands; the end of the stinger that the gauge and its mass are fixed to, and the
+    accelerometer (both at the exciter: an impedance head);
     whether the level is controlled (from `below`, or coming down from `above`; `harmonics` of the acceleration, 1 for
     the amplitude alone; giving up after `timeout`) or a `command` is held, a share of the amplifier's limit.
     sweep_to: frequency that the record's cycles sweep to, in a straight line over time; None holds it."""
@@ -125,6 +126,7 @@ class Drive:
     imperfection: Imperfection = "default"
     amplifier: Amplifier = "voltage"
     gauge: GaugeSide = "box"
+    accelerometer: GaugeSide = "box"
     control: Control = "level"
     command: Annotated[float, Quantity("number", 0.0, 10.0, above=True)] = 0.1
     approach: Approach = "below"

@@ -10,6 +10,7 @@ from analysis.report.cycle_figures import repeats_plot, waveform_plot
 from analysis.report.drawing import Plot
 from analysis.report.energy_figures import energy_plots
 from analysis.report.fidelity import fidelity
+from analysis.report.gauge import at_box
 from analysis.report.offset_figures import bland_altman, nulls_plot, offset_plot, terms_plot
 from analysis.report.reasons import causes, offset_terms
 from analysis.report.sweep import sweep_plot, sweeps
@@ -39,7 +40,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
     made = (
         part("Flags", (), tables.flags(report)),
         part("Energy per cycle", energy_plots(report), tables.conditions(report), tables.recorded(report),
-             tables.coil(report)),
+             tables.coil(report), at_box(report)),
         part("Offset of measured from predicted", (offset_plot(report),), tables.comparisons(report)),
         part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
         part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
