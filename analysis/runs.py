@@ -157,7 +157,7 @@ CONDITION = Keys(
     },
     {
         "dashpot_c": SIZE, "sweep_to": Either(Null(), ONE), "mistake": Either(Null(), MISTAKE), "losses": List(Text()),
-        "support": Text(), "gauge": Text(), "accelerometer": Text(),
+        "support": Text(), "gauge": Either(Null(), Text()), "accelerometer": Either(Null(), Text()),
         "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
     },
 )  # fmt: skip
