@@ -35,7 +35,7 @@ NOISY = 3.0  # rms of a cycle's remainder over the usual one, and over the certi
 CLIPS = 0.98  # of the sensor's own limit
 QUIET = 0.1  # share of a cycle's fourth differences that is quiet: between the impacts
 FOURTH = math.sqrt(70 / 6)  # rms of fourth over second differences of white noise; of a motion that is sampled well 1.4
-SUDDEN = 0.7  # share of a step that no cycle bridges: 0.47 was seen of a bed that glides, in 320 runs; a fault leaves 1
+SUDDEN = 0.6  # share of a step that no cycle bridges: 0.47 was seen of a bed that glides, in 320 runs; faults left 0.69
 BESIDE = 4  # cycles on either side of a sudden step
 NOTHING = 3.0  # a fundamental below so many certified noises is no signal
 

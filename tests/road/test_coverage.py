@@ -61,7 +61,9 @@ def seen(record: Any) -> Seen:
     energies = {run.name: run_energy(record, run) for run in record.runs}
     report = read_session(record, energies)
     rows = report["conditions"]
-    assert report["flags"] == [flag for flag in report["flags"] if flag["flag"].startswith("over_")]
+    # a clip of a handful of the 2048 samples that count is told, and leaves W within its U
+    assert all(flag["flag"].startswith("over_") or flag["flag"] == "sensor_clip" for flag in report["flags"])
+    assert all(one["clip_ratio"] < 0.05 for row in rows for one in row["runs"])
     true = [
         np.mean([sum(e.ledger.get(name, 0.0) for name in DISSIPATED) for e in energies.values() if e.condition == c])
         for c in record.conditions
