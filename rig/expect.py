@@ -79,7 +79,7 @@ def plain_expect(claim: Expect) -> dict[str, Any]:
     """A claim as plain data that read_expect reads back to an equal one."""
     data: dict[str, Any] = {"claim": claim.claim}
     if claim.kind == "offset_within":
-        data[claim.kind] = list(claim.limits)
+        data[claim.kind] = [limit + 0.0 for limit in claim.limits]  # a minus zero is a zero
         data |= {"per": claim.path} if claim.path else {}
     else:
         data[claim.kind] = claim.path

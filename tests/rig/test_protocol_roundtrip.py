@@ -185,6 +185,12 @@ def test_load_of_dump_is_identity(protocol: Protocol) -> None:
     assert loaded.conditions() == protocol.conditions()
 
 
+def test_a_minus_zero_is_written_as_a_zero() -> None:
+    text = dump_protocol(Protocol(name="x", expect=(Expect("words", "offset_within", limits=(-0.0, 1.0)),)))
+    assert "-0.0" not in text
+    assert dump_protocol(load_protocol(text)) == text
+
+
 @quick
 @given(st.text())
 def test_any_text_is_written_so_that_it_is_read_back(text: str) -> None:
