@@ -64,8 +64,8 @@ APART = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0)
 
 @pytest.mark.parametrize(("nu", "least", "most"), [(2, 0.931, 0.954), (3, 0.941, 0.953), (7, 0.947, 0.952)])
 def test_few_repeats_beside_a_certificate_are_covered(nu, least, most):
-    """From 93 % with three repeats up: the error of the matching prior falls with nu^2. Welch-Satterthwaite's k stays
-    below it by up to 1 % there. (GUM-S1, which adds Student's errors, would give up to 97.6 %.)"""
+    """From 93 % with three repeats up: the error of the matching prior falls with nu^2. Welch-Satterthwaite's k covers
+    as little as 92 % there."""
 
     def welch(s, u):
         return coverage_factor(effective_dof([(s, nu), (u, math.inf)]))
