@@ -62,10 +62,9 @@ def coverage(nu, apart, k_of):
 APART = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0)
 
 
-@pytest.mark.parametrize(("nu", "least", "most"), [(2, 0.931, 0.954), (3, 0.941, 0.953), (7, 0.947, 0.952)])
+@pytest.mark.parametrize(("nu", "least", "most"), [(2, 0.940, 0.960), (3, 0.946, 0.958), (7, 0.949, 0.954)])
 def test_few_repeats_beside_a_certificate_are_covered(nu, least, most):
-    """From 93 % with three repeats up: the error of the matching prior falls with nu^2. Welch-Satterthwaite's k covers
-    as little as 92 % there."""
+    """Within 1 % with three repeats, 0.7 % with four, where Welch-Satterthwaite's k covers as little as 92 %."""
 
     def welch(s, u):
         return coverage_factor(effective_dof([(s, nu), (u, math.inf)]))
@@ -82,28 +81,29 @@ def test_few_repeats_beside_a_certificate_are_covered(nu, least, most):
 @pytest.mark.parametrize("nus", [(1.0, 60.0), (2.0, math.inf), (3.0, 50.0)])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
 def test_k_of_two_groups_is_the_quantile_of_their_posterior(nus, share):
-    """Against draws from the posterior as it is written: prior s1^-3 s2^-3 (s1^2 + s2^2), so that nu s^2/chi^2 with
-    nu + 2 degrees of freedom are drawn and weighted with their sum. 5 standard errors of 4e5 draws."""
+    """Against draws from the posterior as it is written: prior (s1 s2)^-2.4 (s1^2 + s2^2)^0.7, so that nu s^2/chi^2
+    with nu + 1.4 degrees of freedom are drawn and weighted with their sum's power. 5 standard errors of 4e5 draws."""
     rng, n = np.random.default_rng(5), 400_000
     estimate = Estimate.of(1.0, [(math.sqrt(u), nu) for u, nu in zip((share, 1 - share), nus, strict=True)])
     total = sum(
-        u * (np.ones(n) if math.isinf(nu) else nu / rng.chisquare(nu + 2, n))
+        u * (np.ones(n) if math.isinf(nu) else nu / rng.chisquare(nu + 1.4, n))
         for u, nu in zip((share, 1 - share), nus, strict=True)
     )
+    weight = total**0.7
     for level in (0.9, 0.95):
         inside = 2 * stats.norm.cdf(estimate.factor(level) / np.sqrt(total)) - 1
-        got = float(np.average(inside, weights=total))
-        error = float(np.sqrt(np.mean((total * (inside - got)) ** 2) / n))
+        got = float(np.average(inside, weights=weight))
+        error = float(np.sqrt(np.mean((weight * (inside - got)) ** 2) / n)) / float(weight.mean())
         assert got == pytest.approx(level, abs=5 * error + 1e-4)  # 1e-4: the quadrature
-    assert estimate.p() == pytest.approx(1 - np.average(2 * stats.norm.cdf(1 / np.sqrt(total)) - 1, weights=total),
-                                         abs=5e-3)  # fmt: skip
+    outside = 1 - np.average(2 * stats.norm.cdf(1 / np.sqrt(total)) - 1, weights=weight)
+    assert estimate.p() == pytest.approx(outside, abs=5e-3)
 
 
 def test_a_group_alone_has_student_s_k():
     """One group, and in the limit of a share that vanishes beside the other."""
     assert Estimate.of(0.0, [(1.0, 3.0), (1.0, 3.0)]).k == pytest.approx(stats.t.ppf(0.975, 6))
-    assert Estimate.of(0.0, [(1.0, 3.0), (1e-6, math.inf)]).k == pytest.approx(stats.t.ppf(0.975, 3), rel=3e-4)
-    assert Estimate.of(0.0, [(1e-6, 3.0), (1.0, 50.0)]).k == pytest.approx(stats.t.ppf(0.975, 50), rel=3e-4)
+    assert Estimate.of(0.0, [(1.0, 3.0), (1e-6, math.inf)]).k == pytest.approx(stats.t.ppf(0.975, 3), rel=1e-4)
+    assert Estimate.of(0.0, [(1e-6, 3.0), (1.0, 50.0)]).k == pytest.approx(stats.t.ppf(0.975, 50), rel=1e-4)
     assert Estimate.of(0.0, []).p() == 1.0
     assert Estimate(3.0, 1.5, 4.0).p() == pytest.approx(2 * stats.t.sf(2, 4))
 
