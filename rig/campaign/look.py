@@ -73,11 +73,13 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
 
 
 def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The dwell with the nominal bed, until its level is held, and some cycles more; a sweep from end to end, energies
-    and level at the frequency where it begins."""
+    """The dwell with the bed of its first run, until its level is held, and some cycles more; a sweep from end to end,
+    energies and level at the frequency where it begins. The nominal bed is none of them: its layers are all alike and hit
+    together."""
     rig, frequency = campaign.rig, condition.drive.frequency
     started = time.perf_counter()
-    dwelling = Dwelling(condition, rig, nominal(condition.scene, rig), rate)
+    first = next(run for run in campaign.runs if run.condition.id == condition.id)
+    dwelling = Dwelling(condition, rig, campaign.filling(first, condition.scene), rate)
     cycles = 0
     while dwelling.dwell.steady_from is None or cycles < dwelling.dwell.steady_from:
         cycles += 1
@@ -95,7 +97,7 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     seconds = (time.perf_counter() - started) / (cycles + HELD)
     begin = signals[:2, : round(rate / frequency)] if swept else last
     force, acceleration = (phasors(row, 0, rate, frequency, 1)[0] for row in begin)
-    recorded = _within(last, rate, PASS_BAND * rate / OVERSAMPLING)
+    recorded = _within(last if swept else signals[:2], rate, PASS_BAND * rate / OVERSAMPLING)
     scalars = dwelling.scalars()
     level = abs(acceleration)
     return Look(

@@ -144,6 +144,22 @@ def test_a_level_beyond_the_exciter_names_the_limit(tmp_path: Path, limit: str) 
     assert any("level is not reached" in flag for flag in ahead.beyond)
 
 
+def test_looking_ahead_is_at_the_first_runs_own_bed(tmp_path: Path) -> None:
+    """Peaks of force and acceleration over 16 cycles are those of 20 cycles of its record to a third (impacts scatter),
+    and what it takes to a tenth. The nominal bed, all of whose layers are alike, takes 16 % less here."""
+    found = campaign(*IDEAL, "repeats={n: 1, refill: true}", vary=("scene.bed=[layers]", "drive.acceleration=[5]"))
+    ahead = outlook(found, found.conditions[0])
+    report = run(found, tmp_path, workers=1)
+    with open_session(tmp_path / "session.h5") as record:
+        info = record.runs[0]
+        signals = {name: record.signal(info.name, name, 0, info.samples).samples for name in ("force", "acceleration")}
+        peaks = {name: float(abs(signal).max()) for name, signal in signals.items()}
+        ranges = {name: record.channels[name].range_V / record.channels[name].sensitivity for name in peaks}
+    assert ahead.range_acceleration == pytest.approx(peaks["acceleration"] / ranges["acceleration"], rel=0.33)
+    assert ahead.range_force == pytest.approx(peaks["force"] / ranges["force"], rel=0.33)
+    assert ahead.W_exp == pytest.approx(report["conditions"][0]["W_exp"], rel=0.1)
+
+
 def test_open_loop_holds_the_command_and_predicts_no_sine(tmp_path: Path) -> None:
     """1 V on the empty box at 20 Hz: the level is the response of exciter and box; W_T on a sine is not stated."""
     found = campaign(
