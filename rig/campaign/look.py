@@ -74,8 +74,8 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
 
 def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     """The dwell with the bed of its first run, until its level is held, and some cycles more; a sweep from end to end,
-    energies and level at the frequency where it begins. The nominal bed is none of them: its layers are all alike and hit
-    together."""
+    energies and level at the frequency where it begins. The nominal bed is none of them: its layers are all alike and
+    hit together."""
     rig, frequency = campaign.rig, condition.drive.frequency
     started = time.perf_counter()
     first = next(run for run in campaign.runs if run.condition.id == condition.id)
