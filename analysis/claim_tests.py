@@ -6,7 +6,7 @@ to contradict a claim; what neither test tells is `undecided`.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -156,11 +156,7 @@ def _predicted_best(levels: Sequence[Level]) -> str:
 
 
 def rising(levels: Sequence[Level], question: Question) -> Finding:
-    """ln W rises in each step (one-sided tests of neighbours, Holm).
-
-    Each step is judged by the scatter of its own two values: half full beds scatter less than full ones, and pooled
-    over all of them a step between full ones rose falsely in 7 % (tests/road/test_claims_sessions.py).
-    """
+    """ln W rises in each step (one-sided tests of neighbours, Holm)."""
     return _steps(levels, question, 1)
 
 
@@ -173,11 +169,11 @@ def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
     found = logs(levels)
     if found is None:
         return _without_scatter(levels)
-    pairs = [_pair(found, i, logs(levels[i : i + 2])) for i in range(len(levels) - 1)]
+    pairs = [(i, i + 1) for i in range(len(levels) - 1)]
     if not pairs or not set(question.values) <= {level.label for level in levels}:
         return Finding("", OPEN, "not all values named were measured")
-    up = holm([pair.exceeds(1, 0) for pair in pairs])
-    down = holm([pair.exceeds(0, 1) for pair in pairs])
+    up = holm([found.exceeds(j, i) for i, j in pairs])
+    down = holm([found.exceeds(i, j) for i, j in pairs])
     marks = ["<" if a <= LEVEL else ">" if b <= LEVEL else "~" for a, b in zip(up, down, strict=True)]
     chain = levels[0].label + "".join(f" {m} {level.label}" for m, level in zip(marks, levels[1:], strict=True))
     for_it, against = (up, down) if sign > 0 else (down, up)
@@ -186,15 +182,6 @@ def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
     why = f"{told} of {len(pairs)} steps {'rise' if sign > 0 else 'fall'} for sure, {contrary} the other way"
     why += f" (largest p {max(for_it):.2g}, Holm; {_scatter(found)})"
     return Finding(chain, HOLDS if told == len(pairs) else FAILS if contrary else OPEN, why)
-
-
-def _pair(found: Logs, low: int, own: Logs | None) -> Logs:
-    """Level `low` and the next with the scatter of their own repeats, or of all where neither was repeated."""
-    if own is not None:
-        return own
-    return replace(
-        found, means=found.means[low : low + 2], counts=found.counts[low : low + 2], seen=found.seen[low : low + 2]
-    )
 
 
 def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
