@@ -107,7 +107,7 @@ def coupled(scene: Scene, rig: Rig, cycles: int) -> Iterator[Array]:
 
 
 @pytest.mark.parametrize("name", COUPLED)
-@pytest.mark.parametrize("cycles", [200, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("cycles", [200, pytest.param(100_000, marks=pytest.mark.slow)])
 def test_no_bed_drifts_in_coupled_drive(name: str, cycles: int, rig: Rig) -> None:
     """Box and exciter, each in its own balance. A slug takes a thousandth of the energy that goes back and forth."""
     rows = list(coupled(COUPLED[name], rig, cycles))
