@@ -165,8 +165,8 @@ def check(name: str, count: int) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_claims_are_rarely_judged_wrongly(name: str) -> None:
-    """5 % within the 99.9 % binomial band of 40 sessions. Its slow twin has 500; over 3000 sessions a flat step was told
-    to rise or fall in 5.1 +- 0.3 %."""
+    """5 % within the 99.9 % binomial band of 40 sessions. Its slow twin has 500; over 3000 sessions a flat step was
+    told to rise or fall in 5.1 +- 0.3 %."""
     check(name, 40)
 
 
