@@ -84,6 +84,12 @@ def _slug(scene: Scene) -> Iterator[Conflict]:
     if isinstance(slug.gap, float | int) and slug.start > slug.gap:
         found = f"a start {slug.start:g} m above the floor"
         yield Conflict(("scene.slug.start", "scene.slug.gap"), found, f"at most the gap, {slug.gap:g} m")
+    along = "length" if scene.axis == "horizontal" else "height"
+    room = getattr(scene.cavity, along)
+    if isinstance(slug.gap, float | int) and slug.gap >= room:
+        found = f"a gap of {slug.gap:g} m in a cavity of {along} {room:g} m"
+        allowed = "less than the cavity along the axis, or none"
+        yield Conflict(("scene.slug.gap", f"scene.cavity.{along}"), found, allowed)
 
 
 def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:

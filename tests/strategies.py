@@ -42,7 +42,9 @@ def _sensible(scene: Scene) -> Scene:
     """The scene without what does not go with its axis."""
     slug = scene.slug
     if isinstance(slug.gap, float):
-        slug = replace(slug, start=min(slug.start, slug.gap))
+        room = scene.cavity.length if scene.axis == "horizontal" else scene.cavity.height
+        gap = min(slug.gap, 0.9 * room)
+        slug = replace(slug, gap=gap, start=min(slug.start, gap))
     if scene.axis == "horizontal":
         return replace(scene, slug=slug)
     support = "cords" if scene.support == "guide" else scene.support

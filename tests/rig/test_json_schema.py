@@ -94,7 +94,7 @@ def mistakes() -> Iterator[str]:
 
 LEFT_TO_CHECK = (
     "mode: coupled", "fidelity", "tolerance: 1 %", "diameter: 200 mm", "fill: 0.1 %", "diameter: 1 um", "guide",
-    "bed: grains", "- grains", "friction: 0.3", "start: 6 mm", "{axis: vertical}", "frequency: 5 kHz",
+    "bed: grains", "- grains", "friction: 0.3", "start: 6 mm", "gap: 500 mm", "{axis: vertical}", "frequency: 5 kHz",
     "frequency: 1e-6", "samples_per_cycle: 400", "record: 10000000", "stainles}", "INV3118", "force: 352C33",
     "[layers], drive.frequency", "[{}], scene", "- 10.0", "rig: ", "repeats: 10000", "'150'", "mHz", "1.5 cycles",
     ".nan",

@@ -77,6 +77,10 @@ def line(text: str, **changes: list[str]) -> str:
             ["scene.axis: found axis vertical with bed layers", "empty, locked, dashpot, slug"],
         ),
         ("scene: {slug: {gap: never}}", ["scene.slug.gap: found 'never'"]),
+        (
+            "scene: {bed: slug, axis: vertical, slug: {gap: 500 mm}}",
+            ["a gap of 0.5 m in a cavity of height 0.4 m; allowed: less than the cavity along the axis, or none"],
+        ),
         ("scene: {slug: {gap: -1}}", ["scene.slug.gap: found -1", "or none"]),
         ("drive: {mode: coupled}\nfidelity: auto", ["the drive coupled with fidelity auto"]),
         ("drive: {mode: coupled}\nmistake: {coil: true}", ["the mistake coil in coupled drive"]),

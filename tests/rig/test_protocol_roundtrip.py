@@ -57,7 +57,7 @@ scenes = st.builds(
     slug=st.builds(
         Slug,
         fractions,
-        st.none() | st.just("none") | st.floats(0, 20),
+        st.none() | st.just("none") | st.floats(0, 0.02, exclude_max=True),
         st.floats(0, 10),
         st.just(0.0),
         st.floats(-9, 9),
@@ -90,7 +90,7 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
     "scene.losses": losses,
     "scene.layers.rows": st.integers(1, 500),
     "scene.layers.side_walls": st.booleans(),
-    "scene.slug.gap": st.none() | st.just("none") | st.floats(0, 20),
+    "scene.slug.gap": st.none() | st.just("none") | st.floats(0, 0.02, exclude_max=True),
     "scene.dashpot": st.builds(Dashpot, st.floats(0, 1e9)),
     "drive.frequency": frequencies,
     "drive.acceleration": levels,
