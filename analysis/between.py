@@ -18,19 +18,23 @@ from analysis.uncertainty import combine
 __all__ = ["FARTHEST", "MATCHED_BY", "compare", "kendall"]
 
 SCHEMA = "rig/comparison/1"
-MATCHED_BY = ("material", "density", "diameter", "fill", "frequency", "acceleration_set")
+SETTINGS = ("material", "density", "diameter", "fill", "frequency")
+MATCHED_BY = (*SETTINGS, "acceleration")
+NOT_STATED = "not stated"  # material of a mapping that names none
 FARTHEST = 0.05  # largest difference of the levels reached, relative
 EQUAL = 1e-6  # settings that agree so far are one
+FREQUENCY = 1e-3  # and frequencies, of which one may have been found from a record
 LEVEL = 0.05
 
 Row = Mapping[str, Any]
 
 
-def compare(a: Row, b: Row, same_instruments: bool = False) -> dict[str, Any]:
+def compare(a: Row, b: Row, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")) -> dict[str, Any]:
     """The comparison of two reports (report.json) as a plain dict; energies in J per cycle, `difference` B less A.
 
-    same_instruments: their errors are common to both sessions.
+    same_instruments: their errors are common to both sessions. folders: what names sessions of one protocol.
     """
+    one_name = a["protocol"] == b["protocol"]
     pairs, alone = matched(a["conditions"], b["conditions"])
     rows = [_pair(first, second, same_instruments) for first, second in pairs]
     adjusted = holm([row["p"] for row in rows])
@@ -38,7 +42,7 @@ def compare(a: Row, b: Row, same_instruments: bool = False) -> dict[str, Any]:
         row["p_holm"], row["significant"] = p, p <= LEVEL
     return {
         "schema": SCHEMA,
-        "sessions": [_session(a), _session(b)],
+        "sessions": [_session(each, name if one_name else "") for each, name in zip((a, b), folders, strict=True)],
         "matched_by": list(MATCHED_BY),
         "same_instruments": same_instruments,
         "pairs": rows,
@@ -48,54 +52,112 @@ def compare(a: Row, b: Row, same_instruments: bool = False) -> dict[str, Any]:
     }
 
 
-def _session(report: Row) -> dict[str, Any]:
-    rows = report["conditions"]
+def _session(report: Row, folder: str) -> dict[str, Any]:
+    rows, protocol = report["conditions"], report["protocol"]
     return {
-        "protocol": report["protocol"], "synthetic": report["synthetic"], "verdict": report["verdict"],
+        "name": f"{protocol} ({folder})" if protocol and folder else protocol or folder or "session",
+        "protocol": protocol, "synthetic": report["synthetic"], "verdict": report["verdict"],
         "beds": sorted({row["bed"] for row in rows}), "drives": sorted({row["drive"] for row in rows}),
         "conditions": len(rows), "ratio": report["agreement"]["ratio"], "U_ratio": report["agreement"]["U_ratio"],
     }  # fmt: skip
 
 
 def matched(a: Sequence[Row], b: Sequence[Row]) -> tuple[list[tuple[Row, Row]], list[dict[str, str]]]:
-    """Pairs of conditions with equal settings (what one of them does not know is no difference), and the others with
-    the reason. Where settings come several times, the same bed goes first, then the same drive."""
+    """Pairs of conditions with equal settings (what one of them does not know is no difference) and levels at most
+    FARTHEST apart, each used once, and the others with the reason. The same bed goes first, then the same drive; the
+    level that was set goes before the nearest one that was reached. What only settings that one side does not know
+    would tell apart is not matched."""
+    alike = [(row, other) for row in a for other in b if not _differ(row, other)]
     found: dict[str, Row] = {}
-    for names in ((*MATCHED_BY, "bed", "drive"), (*MATCHED_BY, "bed"), MATCHED_BY):
-        left = [row for row in a if row["id"] not in found]
-        free = [row for row in b if row["id"] not in {other["id"] for other in found.values()}]
-        for row in left:
-            mine, rivals = _same(row, free, names), _same(row, left, names)
-            if len(mine) == len(rivals) == 1:
-                found[row["id"]] = mine[0]
-    pairs, alone = [], []
-    for row in a:
-        other = found.get(row["id"])
-        if other is None:
-            several = ", ".join(each["id"] for each in _same(row, b, MATCHED_BY))
-            why = f"not told apart: B has {several}" if several else "no condition of B has these settings"
-            alone.append({"session": "A", "id": row["id"], "why": why})
-        elif abs(_levels(row, other)) > FARTHEST:
-            why = f"the levels reached are {100 * abs(_levels(row, other)):.2g} % apart ({other['id']} of B)"
-            alone.append({"session": "A", "id": row["id"], "why": why})
-        else:
-            pairs.append((row, other))
+    for places in (("bed", "drive"), ("bed",), ()):
+        for set_alike in (True, False):
+            used = {other["id"] for other in found.values()}
+            found |= _nearest([
+                (row, other)
+                for row, other in alike
+                if row["id"] not in found and other["id"] not in used
+                if all(row[name] == other[name] for name in places)
+                if not set_alike or _equal(row["acceleration_set"], other["acceleration_set"])
+            ])  # fmt: skip
+    pairs = [(row, found[row["id"]]) for row in a if row["id"] in found]
     used = {other["id"] for _, other in pairs}
-    why = "no condition of A was matched with it"
-    alone += [{"session": "B", "id": row["id"], "why": why} for row in b if row["id"] not in used]
+    alone = [
+        {"session": name, "id": row["id"], "why": _why(row, others, to)}
+        for name, rows, others, to, taken in (("A", a, b, "B", found.keys()), ("B", b, a, "A", used))
+        for row in rows
+        if row["id"] not in taken
+    ]
     return pairs, alone
 
 
-def _same(row: Row, others: Sequence[Row], names: Sequence[str]) -> list[Row]:
-    return [other for other in others if all(_equal(row[name], other[name]) for name in names)]
+def _nearest(links: Sequence[tuple[Row, Row]]) -> dict[str, Row]:
+    """Conditions of B by ids of A: of possible pairs the nearest levels first, where only the level tells."""
+    others_of, rows_of = defaultdict(list), defaultdict(list)
+    for row, other in links:
+        others_of[row["id"]].append(other)
+        rows_of[other["id"]].append(row)
+    found: dict[str, Row] = {}
+    used: set[str] = set()
+    for row, other in sorted(links, key=lambda link: abs(_levels(*link))):
+        told = _told_apart(others_of[row["id"]]) and _told_apart(rows_of[other["id"]])
+        if told and row["id"] not in found and other["id"] not in used:
+            found[row["id"]] = other
+            used.add(other["id"])
+    return found
 
 
-def _equal(one: Any, other: Any) -> bool:
-    if one is None or other is None:
+def _told_apart(rows: Sequence[Row]) -> bool:
+    """Whether conditions of one session differ in the level that was set, and in nothing else."""
+    return all(
+        all(one[name] == other[name] for name in SETTINGS)
+        and not _equal(one["acceleration_set"], other["acceleration_set"])
+        for one, other in combinations(rows, 2)
+    )
+
+
+def _why(row: Row, others: Sequence[Row], to: str) -> str:
+    """Why a condition has no match in session `to`."""
+    several = [other["id"] for other in others if not _differ(row, other)]
+    if several:
+        return f"not told apart, or matched with a nearer level: {to} has {', '.join(several)}"
+    if not others:
+        return f"{to} has no condition"
+    near = min(others, key=lambda other: (len(set(_differ(row, other)) & {*SETTINGS}), abs(_levels(row, other))))
+    fields = _differ(row, near)
+    if fields == ["acceleration"]:
+        return f"the levels reached are {100 * abs(_levels(row, near)):.2g} % apart ({near['id']} of {to})"
+    told = ", ".join(f"{name} {_told(row, name)} against {_told(near, name)}" for name in fields)
+    return f"no condition of {to} has these settings; nearest is {near['id']}: {told}"
+
+
+def _told(row: Row, name: str) -> str:
+    value = row[name]
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def _differ(one: Row, other: Row) -> list[str]:
+    """Names of what two conditions have not in common. A level that was measured, and not set, counts as reached."""
+    names = [
+        name for name in SETTINGS if not _equal(one[name], other[name], FREQUENCY if name == "frequency" else EQUAL)
+    ]
+    was_set = "measured" not in (one["drive"], other["drive"])
+    if was_set and not _equal(one["acceleration_set"], other["acceleration_set"], FARTHEST):
+        names.append("acceleration_set")
+    elif abs(_levels(one, other)) > FARTHEST:
+        names.append("acceleration")
+    return names
+
+
+def _unknown(value: Any) -> bool:
+    return value is None or value == NOT_STATED
+
+
+def _equal(one: Any, other: Any, tolerance: float = EQUAL) -> bool:
+    if _unknown(one) or _unknown(other):
         return True
     if isinstance(one, str) or isinstance(other, str):
         return bool(one == other)
-    return math.isclose(one, other, rel_tol=EQUAL)
+    return math.isclose(one, other, rel_tol=tolerance)
 
 
 def _levels(a: Row, b: Row) -> float:
@@ -112,7 +174,9 @@ def _pair(a: Row, b: Row, same: bool) -> dict[str, Any]:
         scale = 1 / a["W_exp"]
         relative = _estimate(ratio - 1, [(a, -ratio * scale)], [(b, scale)], same, [_level_part(a, b) * scale])
     return {
-        "A": a["id"], "B": b["id"], **{name: a[name] if a[name] is not None else b[name] for name in MATCHED_BY},
+        "A": a["id"], "B": b["id"],
+        **{name: b[name] if _unknown(a[name]) else a[name] for name in (*SETTINGS, "acceleration_set")},
+        "not_compared": [name for name in SETTINGS if _unknown(a[name]) or _unknown(b[name])],
         "bed_A": a["bed"], "bed_B": b["bed"], "acceleration_A": a["acceleration"], "acceleration_B": b["acceleration"],
         "W_A": a["W_exp"], "U_A": a["U_W_exp"], "W_B": b["W_exp"], "U_B": b["U_W_exp"],
         "difference": difference.value, "U_difference": difference.U,

@@ -19,7 +19,7 @@ __all__ = ["comparison_sentences", "write_comparison"]
 
 Found = dict[str, Any]
 NAMES = {"material": "material", "density": "density", "diameter": "diameter", "fill": "fill", "frequency": "frequency",
-         "acceleration_set": "acceleration"}  # fmt: skip
+         "acceleration": "acceleration"}  # fmt: skip
 
 
 def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
@@ -27,7 +27,7 @@ def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
     give equal bytes."""
     from html import escape
 
-    name = " against ".join(session["protocol"] or "session" for session in reversed(found["sessions"]))
+    name = " against ".join(session["name"] for session in reversed(found["sessions"]))
     parts, told = _sections(found), comparison_sentences(found)
     head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(told[0])}</p>", "<section class='verdict good'>",
             f"<h2>Finding</h2><p class='result'>{escape(told[1])}</p>",
@@ -50,33 +50,40 @@ def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
 
 def comparison_sentences(found: Found) -> tuple[str, ...]:
     """What was compared, the finding, ranks, what was left out and what was assumed."""
-    a, b = (_who(letter, session) for letter, session in zip("AB", found["sessions"], strict=True))
+    a, b = (_who(session) for session in found["sessions"])
     return tuple(filter(None, (f"A is {a}. B is {b}.", _overall(found), _single(found), _ranks(found), _basis(found))))
 
 
-def _who(letter: str, session: Found) -> str:
+def _who(session: Found) -> str:
     kind = "simulated" if session["synthetic"] else "measured"
     ratio = "" if session["ratio"] is None else (
         f", W_exp/W_T = {with_U(session['ratio'], session['U_ratio']).text}"
     )  # fmt: skip
-    return (
-        f"{session['protocol'] or f'session {letter}'} ({kind}, bed {', '.join(session['beds'])}, drive "
-        f"{', '.join(session['drives'])}, {session['conditions']} conditions, {session['verdict']}{ratio})"
-    )
+    what = "no usable condition" if not session["conditions"] else (
+        f"bed {', '.join(session['beds'])}, drive {', '.join(session['drives'])}, "
+        f"{counted(session['conditions'], 'condition')}"
+    )  # fmt: skip
+    return f"{session['name']} ({kind}, {what}, {session['verdict']}{ratio})"
 
 
 def _overall(found: Found) -> str:
     over = found["overall"]
     if over is None:
-        return "No condition of both sessions has the same settings: nothing can be compared."
+        if found["pairs"]:
+            return "A dissipates nothing over the matched conditions: no ratio can be given."
+        return f"No condition of both sessions has the same settings: nothing can be compared{_first_why(found)}."
     amount = with_U(abs(over["relative"]), over["U"], 100).text.split(" ± ")
     margin = f" ± {amount[1]} %" if len(amount) > 1 else ""
     more = "more" if over["relative"] >= 0 else "less"
     word = "significant" if abs(over["relative"]) > over["U"] else "not significant"
     return (
-        f"Over {over['n']} matched conditions B dissipates {amount[0]} %{margin} {more} than A (k = {over['k']:.2f}, "
+        f"Over {counted(over['n'], 'matched condition')} B dissipates {amount[0]} %{margin} {more} than A (k = {over['k']:.2f}, "
         f"weighted with energy): {word} at 95 %."
     )
+
+
+def _first_why(found: Found) -> str:
+    return f" ({found['alone'][0]['id']}: {found['alone'][0]['why']})" if found["alone"] else ""
 
 
 def _single(found: Found) -> str:
@@ -114,9 +121,12 @@ def _basis(found: Found) -> str:
     left_out = len(found["alone"])
     alone = f"{counted(left_out, 'condition')} {'is' if left_out == 1 else 'are'}" if left_out else "No condition is"
     keys = ", ".join(NAMES[name] for name in found["matched_by"])
+    unknown = [name for name in found["matched_by"] if any(name in row["not_compared"] for row in found["pairs"])]
+    left = f"Not compared, because one of both does not know it: {', '.join(unknown)}. " if unknown else ""
     return (
-        f"Matched by {keys}, where both know them; bed and drive may differ. {alone} left "
-        f"out. {same} Levels up to {100 * FARTHEST:.0f} % apart are matched; what they differ by is in U."
+        f"Matched by {keys}, where both know them; bed and drive may differ. {left}{alone} left "
+        f"out. {same} Levels up to {100 * FARTHEST:.0f} % apart are matched, the nearest; "
+        "W is not corrected for what they differ by, it is in U."
     )
 
 
@@ -164,19 +174,23 @@ def _plots(found: Found) -> tuple[Plot, ...]:
 
 
 def _pairs(found: Found) -> Table:
-    head = ("A", "B", "grains", "fill, %", "f, Hz", "a, m/s²", "bed A", "bed B", "W of A ± U, mJ", "W of B ± U, mJ",
+    head = ("A", "B", "grains", "fill, %", "f, Hz", "a of A, m/s²", "a of B, m/s²", "bed A",
+            "bed B", "W of A ± U, mJ", "W of B ± U, mJ",
             "B − A, mJ", "B − A, %", "E_n", "p, Holm", "significant")  # fmt: skip
     rows = tuple(
         (
             Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), _setting(row["fill"], 100), _setting(row["frequency"]),
-            _setting(row["acceleration_set"]), Cell(row["bed_A"]), Cell(row["bed_B"]),
+            _setting(row["acceleration_A"]), _setting(row["acceleration_B"]), Cell(row["bed_A"]), Cell(row["bed_B"]),
             with_U(row["W_A"], row["U_A"], 1e3), with_U(row["W_B"], row["U_B"], 1e3),
             with_U(row["difference"], row["U_difference"], 1e3), with_U(row["relative"], row["U_relative"], 100),
             fixed(row["E_n"], 2), number(row["p_holm"], 2), Cell("yes" if row["significant"] else "no"),
         )
         for row in found["pairs"]
     )  # fmt: skip
-    note = "The difference in per cent is left out where one of both is below its detection limit or its U."
+    note = (
+        "a: the level reached. The difference in per cent is left out where one of both is below its detection limit "
+        "or its U."
+    )
     return Table("Matched conditions", note, head, rows)
 
 
@@ -200,5 +214,11 @@ def _csv(found: Found) -> str:
     table = csv.writer(text, lineterminator="\n")
     names = [*found["pairs"][0]] if found["pairs"] else []
     table.writerow(names)
-    table.writerows([["" if row[name] is None else row[name] for name in names] for row in found["pairs"]])
+    table.writerows([[_plain(row[name]) for name in names] for row in found["pairs"]])
     return text.getvalue()
+
+
+def _plain(value: Any) -> Any:
+    if value is None:
+        return ""
+    return " ".join(value) if isinstance(value, list) else value

@@ -151,7 +151,7 @@ REPORT = Keys(
 
 SESSION = Keys(
     _all(
-        {"protocol": Text(), "synthetic": YesNo(), "verdict": Text(("passes", "fails"))},
+        {"name": Text(), "protocol": Text(), "synthetic": YesNo(), "verdict": Text(("passes", "fails"))},
         {"beds": WORDS, "drives": WORDS, "conditions": Number(0, whole=True), "ratio": KNOWN, "U_ratio": SIZE},
     )
 )
@@ -163,7 +163,7 @@ PAIR = Keys(
         _each("U_A U_B U_difference", Number(0.0)),
         _each("E_n relative", KNOWN),
         _each("p p_holm", SHARE),
-        {"significant": YesNo()},
+        {"significant": YesNo(), "not_compared": WORDS},
     )
 )
 OVERALL = Keys(

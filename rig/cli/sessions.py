@@ -50,8 +50,11 @@ def compare_sessions(
             reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
             tools.append(actual_of(record.truth))
     same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
-    found = compare(reports[0], reports[1], same)
     first, second = (session_file(session).parent for session in sessions)
+    names = first.resolve().name, second.resolve().name
+    if names[0] == names[1]:
+        names = first.as_posix(), second.as_posix()
+    found = compare(reports[0], reports[1], same, names)
     folder = out or second / f"against_{first.resolve().name}"
     write_comparison(found, folder)
     if as_json:

@@ -88,6 +88,79 @@ def test_settings_match_and_not_names():
     assert whys.keys() == {"c10", "c11", "x0", "x1"}
 
 
+def imported(each, level=1.005, **more):
+    """The same condition as an import has it: the level that was measured as the level that was set."""
+    a = each["acceleration"] * level
+    return {**each, "id": f"lab_{each['id']}", "drive": "measured", "acceleration_set": 1.01 * a, "acceleration": a,
+            "frequency": 19.9993, **more}  # fmt: skip
+
+
+def paired(found):
+    return [(pair["A"], pair["B"]) for pair in found["pairs"]]
+
+
+def test_levels_that_were_measured_match_within_5_percent():
+    one = session()
+    lab = report([imported(each) for each in one["conditions"]], "lab")
+    names = [(f"c{i}", f"lab_c{i}") for i in range(12)]
+    assert paired(compare(one, lab)) == names
+    assert paired(compare(lab, one)) == [(b, a) for a, b in names]
+    later = report([imported(each, 0.98) for each in one["conditions"]], "later")
+    assert [a for a, b in paired(compare(lab, later)) if a == b] == [each["id"] for each in lab["conditions"]]
+    far = compare(one, report([imported(each, 1.06) for each in one["conditions"]]))
+    assert far["pairs"] == []
+    assert "5.8 % apart" in far["alone"][0]["why"]  # ln 1.06
+
+
+def test_the_nearest_level_is_matched_and_none_twice():
+    one = report([row("low", 1.0, a=2.0), row("high", 1.1, a=2.06)])
+    assert paired(compare(one, report([row("b", 1.0, a=2.05)]))) == [("high", "b")]
+    two = report([row("x", 1.0, a=2.05), row("y", 1.0, a=2.01)])
+    assert paired(compare(one, two)) == [("low", "y"), ("high", "x")]
+    # the level that was set goes before the nearest one reached
+    drifted = report([{**row("x", 1.0, a=2.0), "acceleration": 2.05}, {**row("y", 1.0, a=2.06), "acceleration": 2.01}])
+    assert paired(compare(one, drifted)) == [("low", "x"), ("high", "y")]
+
+
+def test_levels_that_differ_widen_U_and_W_is_not_corrected():
+    """A rectangle of half width n ln(a_B/a_A) W beside nothing else: U = 1.96 of it over sqrt(3)."""
+    one, two = (report([row("a", 1.0, a=a, scatter=1e-9, common=1e-9)]) for a in (2.0, 2.04))
+    (pair,) = compare(one, two)["pairs"]
+    assert pair["difference"] == 0
+    assert pair["U_difference"] == pytest.approx(1.96 * 2.5 * math.log(1.02) / math.sqrt(3), rel=1e-3)
+
+
+def test_what_differs_is_named_on_both_sides():
+    found = compare(report([row("a", 1.0)]), report([row("b", 1.0, fill=0.6), row("c", 1.0, fill=0.7, a=9.0)]))
+    whys = {entry["id"]: entry["why"] for entry in found["alone"]}
+    assert "nearest is b: fill 0.5 against 0.6" in whys["a"]
+    assert "fill 0.7 against 0.5, acceleration_set 9 against 3" in whys["c"]
+    assert "fill 0.5 against 0.6" in comparison_sentences(found)[1]
+
+
+def test_what_one_side_does_not_know_is_listed_and_never_guessed():
+    one = session()
+    bare = {"material": "not stated", "density": None, "diameter": None}
+    found = compare(one, report([imported(each, **bare) for each in one["conditions"]]))
+    assert len(found["pairs"]) == 12
+    assert found["pairs"][0]["not_compared"] == ["material", "density", "diameter"]
+    assert found["pairs"][0]["material"] == "stainless"
+    assert "does not know it: material, density, diameter." in comparison_sentences(found)[-1]
+    # three fills at one level: without the fill they are not told apart, however near a level is
+    found = compare(one, report([imported(each, fill=None) for each in one["conditions"]]))
+    assert found["pairs"] == []
+    assert "not told apart" in found["alone"][0]["why"]
+
+
+def test_sessions_have_names_and_words():
+    empty = report([])
+    told = comparison_sentences(compare(empty, report([row("b", 1.0)]), folders=("monday", "friday")))
+    assert "A is one (monday) (simulated, no usable condition, passes)." in told[0]
+    assert "B is one (friday) (simulated, bed layers, drive servo, 1 condition, passes)." in told[0]
+    other = compare(empty, report([], "two"), folders=("monday", "friday"))
+    assert [each["name"] for each in other["sessions"]] == ["one", "two"]
+
+
 def test_the_same_bed_goes_first_and_what_is_not_told_apart_is_left_out():
     beds = report([row(f"a{bed}", 1.0, bed=bed) for bed in ("empty", "locked", "layers")])
     found = compare(beds, report([row("b", 2.0)]))

@@ -83,6 +83,7 @@ def test_nothing_in_common_is_one(rig_command: Rig, made: dict[str, Path], tmp_p
     done = rig_command("report", made["one"], made["apart"], "--out", tmp_path)
     assert done.returncode == 1
     assert "nothing can be compared" in done.stdout
+    assert "acceleration_set 3 against 6" in done.stdout.replace("\n", " ")
     assert compared(tmp_path)["overall"] is None
 
 
@@ -96,9 +97,12 @@ def test_bad_input_writes_nothing(rig_command: Rig, made: dict[str, Path], tmp_p
     assert rig_command("report", made["one"], made["two"], made["slug"], "--out", tmp_path / "c").returncode == 2
 
 
-def test_a_simulated_session_against_an_imported_one(rig_command: Rig, made: dict[str, Path], tmp_path: Path) -> None:
+@pytest.mark.parametrize("level", [", acceleration: 3 m/s^2", ""])
+def test_a_simulated_session_against_an_imported_one(
+    rig_command: Rig, made: dict[str, Path], tmp_path: Path, level: str
+) -> None:
     """The records of session `one` at the lower level, exported as a laboratory's own: W must agree, and what the
-    mapping does not say (the fill) is no difference."""
+    mapping does not say (the fill; the level that was set, where only the measured one is known) is no difference."""
     facts = json.loads(rig_command("info", made["one"], "--json").stdout)["conditions"][0]
     report = json.loads((made["one"] / "report.json").read_text(encoding="utf-8"))
     row = next(row for row in report["conditions"] if row["acceleration_set"] == 3.0)
@@ -112,7 +116,7 @@ def test_a_simulated_session_against_an_imported_one(rig_command: Rig, made: dic
         "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
         f"force: {{channel: {json.dumps(head[0])}, time_constant: 2000 s}}\n"
         f"acceleration: {{channel: {json.dumps(head[1])}, time_constant: 1.6 s}}\n"
-        "condition: {id: lab, material: stainless, diameter: 8 mm, acceleration: 3 m/s^2}\n"
+        f"condition: {{id: lab, material: stainless, diameter: 8 mm{level}}}\n"
         f"runs: [{runs}]\n"
     )
     assert facts["diameter"] == 8e-3
@@ -124,6 +128,8 @@ def test_a_simulated_session_against_an_imported_one(rig_command: Rig, made: dic
     assert [session["synthetic"] for session in found["sessions"]] == [True, False]
     (pair,) = found["pairs"]
     assert (pair["A"], pair["B"], pair["bed_B"]) == (row["id"], "lab", "unknown")
+    assert pair["not_compared"] == ["density", "fill"]
+    assert "does not know it: density, fill." in done.stdout.replace("\n", " ")
     # the same samples; what differs: frequency found or known, window, poles of the certificate's digits
     assert abs(pair["relative"]) < 0.01
     assert not pair["significant"]
