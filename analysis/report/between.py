@@ -77,8 +77,8 @@ def _overall(found: Found) -> str:
     more = "more" if over["relative"] >= 0 else "less"
     word = "significant" if abs(over["relative"]) > over["U"] else "not significant"
     return (
-        f"Over {counted(over['n'], 'matched condition')} B dissipates {amount[0]} %{margin} {more} than A (k = {over['k']:.2f}, "
-        f"weighted with energy): {word} at 95 %."
+        f"Over {counted(over['n'], 'matched condition')} B dissipates {amount[0]} %{margin} {more} than A "
+        f"(k = {over['k']:.2f}, weighted with energy): {word} at 95 %."
     )
 
 
