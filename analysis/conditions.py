@@ -39,7 +39,7 @@ class Result:
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given.
+    the model's parameters; empty where none were given. beyond: there is a prediction, but not for the level of a run.
     """
 
     setting: Setting
@@ -56,6 +56,7 @@ class Result:
     recorded: Recorded | None = None
     pairs: tuple[tuple[float, float], ...] = ()
     model: tuple[float, ...] = ()
+    beyond: bool = False
 
     @property
     def comparable(self) -> bool:
@@ -115,6 +116,7 @@ def evaluate(
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
+        beyond=entry is not None and not predicted,
     )
 
 
@@ -122,11 +124,13 @@ def _predicted(
     runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
 ) -> tuple[dict[str, float | None], list[float], float]:
     """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the relative
-    standard uncertainty of its numerics."""
+    standard uncertainty of its numerics; nothing where a run's level is beyond the prediction's."""
     if entry is None:
         return {}, [], 0.0
     prediction = Prediction.of(entry)
     levels = [run.energy.level for run in runs]
+    if not all(prediction.total.reaches(a) for a in levels):
+        return {}, [], 0.0
     curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
     values: dict[str, float | None] = {
         name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()

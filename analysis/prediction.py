@@ -5,7 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Curve", "Prediction"]
+__all__ = ["BEYOND", "Curve", "Prediction"]
+
+BEYOND = 0.1
+"""How far outside its tabulated accelerations, relative, a W_T is still read: a table about one level tells no more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +43,10 @@ class Curve:
             return float(w0 * (a / a0) ** (math.log(w1 / w0) / math.log(a1 / a0)))
         between = min(max((a - a0) / (a1 - a0), 0.0), 1.0)
         return w0 + (w1 - w0) * between
+
+    def reaches(self, a: float) -> bool:
+        """Whether acceleration a (m/s^2) is tabulated, or at most BEYOND outside the table."""
+        return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
         """n = dlnW / dlna at a, across the neighbouring points; None where W is zero or a single point is known."""

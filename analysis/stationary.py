@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.runs import AnalysisError
 
-__all__ = ["FEWEST_CYCLES", "Steadiness", "drive_frequency", "steadiness"]
+__all__ = ["FEWEST_CYCLES", "Steadiness", "drive_frequency", "fundamental", "steadiness"]
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
         raise AnalysisError(f"{cycles} whole cycles at {frequency:.6g} Hz: at least {FEWEST_CYCLES} are needed")
     stretches = min(STRETCHES, cycles)
     edges = [round(n * (cycles // stretches) * period) for n in range(stretches + 1)]
-    phasors = np.array([_fundamental(signal[a:b], a, rate, frequency) for a, b in pairwise(edges)])
+    phasors = np.array([fundamental(signal[a:b], a, rate, frequency) for a, b in pairwise(edges)])
     levels, phases = np.abs(phasors), np.unwrap(np.angle(phasors))
     line = np.polynomial.Polynomial.fit(np.arange(stretches), phases, 1)
     return Steadiness(
@@ -90,7 +90,7 @@ def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
     )
 
 
-def _fundamental(part: Array, start: int, rate: float, frequency: float) -> complex:
+def fundamental(part: Array, start: int, rate: float, frequency: float) -> complex:
     """Least-squares phasor of a stretch: sine, cosine and mean (a stretch need not be whole samples long)."""
     angle = 2 * math.pi * frequency / rate * (start + np.arange(part.size))
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones(part.size)], axis=1)

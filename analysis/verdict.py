@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from analysis.conditions import Result
 from analysis.nulls import Null
+from analysis.prediction import BEYOND
 from analysis.quality import SUSPECT
 from analysis.references import Reference
 from analysis.words import counted
@@ -13,6 +14,7 @@ from analysis.words import counted
 __all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
 
 CLOSES = {"servo": 1e-9, "coupled": 1e-6}  # largest closure of an account that closes, relative, by drive
+SHOWN = 5  # conditions named in a sentence
 CHAIN_SHARE = 0.9  # share of the conditions in which |E_n_chain| <= 1 is needed
 NOT_REACHED = "level_not_reached"  # with what stopped the level: level_not_reached_voltage
 FAULTS = {
@@ -55,7 +57,7 @@ def verdict(
     faulted += [str(one["run"]) for one in sweeps if _faulted(one["flags"])]
     checks = [
         _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
-        _chain(chain, share, bool(results)), _repeats(results),
+        _chain(chain, share, bool(results)), _repeats(results), _beyond(results),
         (bool(results or sweeps), "" if results or sweeps else "No run can be used."), _sweeps(len(sweeps)),
     ]  # fmt: skip
     if not nulls:
@@ -76,6 +78,15 @@ def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str
         if run.ledger is not None and "closure" in run.ledger
     )
     return good, f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative."
+
+
+def _beyond(results: Sequence[Result]) -> tuple[bool, str]:
+    """Why W_T is missing where it was predicted for other levels than the one reached."""
+    names = [result.setting.id for result in results if result.beyond]
+    if not names:
+        return True, ""
+    shown = ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+    return True, f"No W_T is stated for {shown}: the level reached is over {100 * BEYOND:g} % from those predicted."
 
 
 def _nulls(nulls: Sequence[Null]) -> Iterator[tuple[bool, str]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.runs import AnalysisError
-from analysis.stationary import noise_rms
+from analysis.stationary import fundamental, noise_rms
 from daq.block import Block, Flag
 from daq.channel import ChannelInfo
 from daq.session import Recorder, RunPlan, SessionPlan
@@ -126,15 +126,16 @@ def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
 def _condition(
     mapping: RecordMap, known: Known, group: Sequence[Reading], frequency: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The condition's facts, and with a scene its prediction."""
-    level = known.acceleration or max(float(np.sqrt(2 * np.mean(r.acceleration[r.start :] ** 2))) for r in group)
+    """The condition's facts, and with a scene its prediction, at the level reached."""
+    reached = math.fsum(_level(r) for r in group) / len(group)
+    level = known.acceleration or reached
     settle = group[0].start * frequency / group[0].rate
     times = {"settle_cycles": settle, "record_cycles": min(r.cycles for r in group), "frequency": frequency}
     if mapping.scene is None:
         facts = {name: value for name, value in asdict(known).items() if name != "acceleration"}
         return {**facts, "drive": "measured", "carried": False, "acceleration_set": level, **times}, {}
     rig = load_rig(mapping.rig)
-    protocol = Protocol(name=mapping.name, scene=mapping.scene, drive=Drive(frequency=frequency, acceleration=level))
+    protocol = Protocol(name=mapping.name, scene=mapping.scene, drive=Drive(frequency=frequency, acceleration=reached))
     condition = replace(protocol.conditions()[0], id=known.id)
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
@@ -142,7 +143,13 @@ def _condition(
     ratios = model_ratios(condition, rig)
     if ratios is not None:
         predicted[known.id]["model"] = list(ratios)
-    return {**facts, **times, "drive": "measured", "losses": []}, predicted
+    return {**facts, **times, "drive": "measured", "losses": [], "acceleration_set": level}, predicted
+
+
+def _level(reading: Reading) -> float:
+    """Amplitude of the acceleration's fundamental over the whole cycles of a record, m/s^2."""
+    stop = reading.start + round(reading.cycles * reading.rate / reading.frequency)
+    return abs(fundamental(reading.acceleration[reading.start : stop], 0, reading.rate, reading.frequency))
 
 
 def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationColumn], ...]:

@@ -34,6 +34,11 @@ def test_a_single_point_is_a_constant_without_exponent():
     assert curve.exponent(3.0) is None
 
 
+def test_a_table_reaches_a_tenth_beyond_its_ends():
+    curve = Curve.of([10.0, 20.0], [1.0, 8.0])
+    assert [curve.reaches(a) for a in (8.9, 9.1, 15.0, 21.9, 22.1)] == [False, True, True, True, False]
+
+
 @pytest.mark.parametrize(("levels", "values"), [([], []), ([1.0], [1.0, 2.0]), ([0.0], [1.0])])
 def test_what_is_no_table_is_refused(levels, values):
     with pytest.raises(ValueError, match="prediction"):

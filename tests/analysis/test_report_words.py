@@ -94,14 +94,14 @@ def test_many_checks_alike_are_one_sentence():
         Reference("rigid mass", "empty box", "kg", 12.0 + 0.01 * n, 12.0, 0.2, "holds", f"number {n}")
         for n in range(13)
     ]  # fmt: skip
-    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None)], nulls, masses, None, [])
+    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], nulls, masses, None, [])
     told = [text for text in found.reasons if "null" in text or "reference" in text]
     assert told == [
         "The null test with the locked bed is undecided in 13 cases: only 1 level.",
         "The reference rigid mass (empty box) holds in 13 cases, most narrowly: number 12.",
     ]
     wrong = Null("locked", 38.0, 20.0, 3, Estimate(2.0, 0.1, 5.0), "does not hold", "too large")
-    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None)], [*nulls, wrong], [], None, [])
+    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], [*nulls, wrong], [], None, [])
     assert found.failures == ("The null test with the locked bed does not hold: too large.",)
 
 

@@ -7,12 +7,16 @@ from analytic_record import Bench, condition, dashpot_energy, prediction_for, se
 from analysis import read_session
 
 
-def made(model=None, excess=1.07):
-    """Three levels, a bed that takes 7 % more than predicted, ideal instruments."""
+def made(model=None, excess=1.07, off=()):
+    """Three levels, a bed that takes 7 % more than predicted, ideal instruments. off: conditions whose table is made
+    for twice their level."""
     table = [condition(f"c{i}", acceleration_set=a, record_cycles=4) for i, a in enumerate((2.0, 3.0, 4.0))]
     prediction = prediction_for(table, lambda _entry, a: dashpot_energy(200.0, a))
     for entry in prediction["conditions"].values() if model is not None else ():
         entry["model"] = list(model)
+    for name in off:
+        entry = prediction["conditions"][name]
+        entry["acceleration"] = [2 * a for a in entry["acceleration"]]
     bench, rng = Bench(repeats=2, samples=16 * 512), np.random.default_rng(2)
     return read_session(session(table, lambda *_: 200.0 * excess, bench, rng, prediction=prediction))
 
@@ -44,3 +48,16 @@ def test_a_record_of_the_model_itself_does_not_test_it():
     assert report["comparisons"][2]["n"] == 0
     assert report["comparisons"][2]["why"].startswith("not made")
     assert all(row["E_n_model"] is None for row in report["conditions"])
+
+
+def test_a_level_far_from_those_predicted_has_no_W_T_and_the_verdict_says_why():
+    report, whole = made(off=("c1",), model=[0.9, 1.1]), made(model=[0.9, 1.1])
+    row = report["conditions"][1]
+    names = ("W_T", "U_W_T", "W_f", "bound", "exponent", "offset", "E_n", "W_T_low", "E_n_model")
+    assert {name: row[name] for name in names} == dict.fromkeys(names)
+    assert row["W_exp"] == whole["conditions"][1]["W_exp"]
+    assert report["conditions"][0]["W_T"] == whole["conditions"][0]["W_T"]
+    assert report["agreement"]["n"] == 2
+    said = "No W_T is stated for c1: the level reached is over 10 % from those predicted."
+    assert said in report["reasons"]
+    assert not any("No W_T" in reason for reason in whole["reasons"])

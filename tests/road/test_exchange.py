@@ -251,6 +251,23 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
     assert row["W_T"] == pytest.approx(predict(condition, load_rig("default")).W_T, rel=5e-3)
 
 
+@pytest.mark.parametrize("told", ["", ", acceleration: 6 m/s^2"])
+def test_a_distorted_record_is_predicted_at_its_fundamental(example: Path, tmp_path: Path, told: str) -> None:
+    """A third harmonic of 1.2 times the fundamental (4 m/s^2): sqrt(2) times its rms, 6.2, is no level of it."""
+    t, F, a = columns(example, "box_1.csv")
+    rows = np.stack([t, F, a + 1.2 * 4.0 / 9.80665 * np.sin(2 * np.pi * 3 * 19.87 * t)], axis=1)
+    np.savetxt(tmp_path / "r.csv", rows, delimiter=";", header="t [s];F [N];a [g]", comments="")
+    more = 'frequency: 19.87 Hz\ncsv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
+    more += "scene: {grains: {diameter: 4 mm, fill: 85 %}}\n"
+    text = MAP.format(F='"F [N]"', a='"a [g]"', more=more).replace("{id: box}", "{id: box" + told + "}")
+    level = imported(tmp_path, tmp_path / "r.csv", text).level
+    assert level == pytest.approx(4.0, rel=1e-3)
+    with open_session(tmp_path / "s.h5") as record:
+        entry = record.document("prediction")["conditions"]["box"]
+        assert record.conditions["box"]["acceleration_set"] == (6.0 if told else pytest.approx(level, rel=1e-4))
+    assert entry["acceleration"][1] == pytest.approx(level, rel=1e-4)
+
+
 BAD_RECORDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
     "not steady": (lambda rows: rows * np.array([1, 1, 1]) * (1 + rows[:, :1] * [0, 1, 1]), "not steady"),
     "a gap in time": (lambda rows: np.delete(rows, slice(9000, 9050), axis=0), "time column is not even"),
