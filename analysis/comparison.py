@@ -76,13 +76,14 @@ def agreement(
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
     judged = verdict(results, nulls, known, ledger["closure_max"], left_out, sweeps)
-    ideal = synthetic and all(result.setting.drive == "servo" for result in results)
+    seen = [r.setting for r in results] + [settings[one["condition"]] for one in sweeps]
+    ideal = synthetic and all(setting.drive == "servo" for setting in seen)
     report = {
         "schema": SCHEMA,
         "protocol": protocol,
         "question": question,
         "synthetic": synthetic,
-        "tests": "chain" if synthetic and not OWN_MECHANISM & {r.setting.bed for r in results} else "model",
+        "tests": "chain" if synthetic and not OWN_MECHANISM & {s.bed for s in seen} else "model",
         "waveform": "ideal" if ideal else "measured",
         "support": sorted({str(c["support"]) for c in conditions.values() if c.get("support")}),
         "conditions": [
@@ -105,7 +106,7 @@ def agreement(
         "verdict": judged.verdict,
         "reasons": list(judged.reasons),
         "failures": list(judged.failures),
-        "flags": _flags(results) + (_too_coarse(results, fidelity) if fidelity else []),
+        "flags": _flags(results, sweeps) + (_too_coarse(results, fidelity) if fidelity else []),
         "waveforms": waveforms(results),
         "left_out": [dict(entry) for entry in left_out],
         "instruments": [_instrument(channel) for channel in channels.values()],
@@ -260,18 +261,19 @@ def _closure(results: Sequence[Result]) -> float | None:
     return max((ledger["closure"] for ledger in ledgers if "closure" in ledger), default=None)
 
 
-def _flags(results: Sequence[Result]) -> list[dict[str, Any]]:
+def _flags(results: Sequence[Result], sweeps: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Every flag with the runs that carry it, in the order of first appearance, and the most used of a limit."""
-    runs: dict[str, list[RunEnergy]] = defaultdict(list)
-    for result in results:
-        for run in result.runs:
-            for flag in run.flags:
-                runs[flag].append(run)
+    runs: dict[str, list[tuple[str, Mapping[str, float]]]] = defaultdict(list)
+    every = [(run.run, run.flags, run.use) for result in results for run in result.runs]
+    every += [(one["run"], one["flags"], one["use"]) for one in sweeps]
+    for name, flags, use in every:
+        for flag in flags:
+            runs[flag].append((name, use))
     return [
         {
             "flag": flag,
-            "worst": max((run.use[flag[5:]] for run in found if flag[5:] in run.use), default=None),
-            "runs": [run.run for run in found],
+            "worst": max((use[flag[5:]] for _, use in found if flag[5:] in use), default=None),
+            "runs": [name for name, _ in found],
         }
         for flag, found in runs.items()
     ]

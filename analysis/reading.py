@@ -166,7 +166,8 @@ def read_session(
                 if record.conditions[run.condition].get("bed") == LOOP_BACK:
                     loop_backs.append(_loop_back(record, run))
                 elif record.conditions[run.condition].get("sweep_to") is not None:
-                    swept.append(sweep(record, run, _flags(run, record.scalars(run.name))))
+                    scalars = record.scalars(run.name)
+                    swept.append(sweep(record, run, _flags(run, scalars), _use(scalars)))
                 else:
                     known[run.name] = run_energy(record, run, tolerate_gaps)
             except AnalysisError as error:

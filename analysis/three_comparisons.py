@@ -33,15 +33,18 @@ def comparisons(results: Sequence[Result]) -> list[dict[str, Any]]:
     """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was not made or what it
     cannot tell."""
     model = [(result, row["E_n_model"]) for result in results if (row := model_row(result))["E_n_model"] is not None]
+    none = "" if results else "no run states an energy"
     return [
-        _entry("chain", "the rig's own ledger", _scores([r.chain for r in results]), "the record holds no truth"),
+        _entry(
+            "chain", "the rig's own ledger", _scores([r.chain for r in results]), none or "the record holds no truth"
+        ),
         _entry(
             "prediction", "W_T as predicted", _scores([r.difference for r in results if r.comparable]),
-            "nothing is predicted that stands out of the detection limit",
+            none or "nothing is predicted that stands out of the detection limit",
         ),
         _entry(
             "model", "W_T with friction, restitution and play as uncertain as they are", [E for _, E in model],
-            "the record comes from the model itself, or no spread of W_T was given",
+            none or "the record comes from the model itself, or no spread of W_T was given",
         ) | ({"why": _telling([result for result, _ in model])} if model else {}),
     ]  # fmt: skip
 

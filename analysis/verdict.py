@@ -55,21 +55,22 @@ def verdict(
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     faulted += [str(one["run"]) for one in sweeps if _faulted(one["flags"])]
+    why = "the record holds no truth" if results else "a sweep states no energy" if sweeps else "no run can be used"
     checks = [
-        _ledger(results, closure), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
-        _chain(chain, share, bool(results)), _repeats(results), _beyond(results),
+        _ledger(results, closure, why), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
+        _chain(chain, share, why), _repeats(results), _beyond(results),
         (bool(results or sweeps), "" if results or sweeps else "No run can be used."), _sweeps(len(sweeps)),
     ]  # fmt: skip
     if not nulls:
-        checks.insert(1, (True, "No null test: no condition has a bed that cannot slide."))
+        no_null = "no condition has a bed that cannot slide" if results or not sweeps else why
+        checks.insert(1, (True, f"No null test: {no_null}."))
     passes = all(good for good, _ in checks)
     failures = tuple(text for good, text in checks if not good)
     return Verdict("passes" if passes else "fails", tuple(text for _, text in checks if text), share, failures)
 
 
-def _ledger(results: Sequence[Result], closure: float | None) -> tuple[bool, str]:
+def _ledger(results: Sequence[Result], closure: float | None, why: str) -> tuple[bool, str]:
     if closure is None:
-        why = "the record holds no truth" if results else "no run can be used"
         return True, f"The energy account is not checked: {why}."
     good = all(
         run.ledger["closure"] <= CLOSES.get(result.setting.drive, CLOSES["servo"])
@@ -150,9 +151,8 @@ def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tu
     return True, "No run is overloaded or faulted."
 
 
-def _chain(chain: Sequence[bool], share: float | None, any_run: bool) -> tuple[bool, str]:
+def _chain(chain: Sequence[bool], share: float | None, why: str) -> tuple[bool, str]:
     if share is None:
-        why = "the record holds no truth" if any_run else "no run can be used"
         return True, f"The chain comparison is not made: {why}."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
     shared = "The instruments' error is common to all of them: this is one draw, outside its U in 1 of 20 sessions."

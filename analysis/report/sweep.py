@@ -22,7 +22,9 @@ def sweep_plot(report: dict[str, Any]) -> Plot | None:
     found = report.get("sweeps") or []
     if not found:
         return None
-    names = [("o", SERIES[n % len(SERIES)], f"{one['condition']}: {one['bed']}") for n, one in enumerate(found)]
+    names = [
+        ("o", SERIES[n % len(SERIES)], f"{one['condition']}, {one['run']}: {one['bed']}") for n, one in enumerate(found)
+    ]
     panels = [legend(names)]
     across = linear([f for one in found for f in one["frequency"]])
     for key, label, title, by_decades in CURVES:
@@ -52,7 +54,7 @@ def sweeps(report: dict[str, Any]) -> Table:
         for row in summary(report.get("sweeps") or [])
     )  # fmt: skip
     return Table(
-        "Sweeps",
+        "Largest and least of each sweep",
         "Fundamentals (peak) over each cycle of the drive. The sweep rate moves the curve off the steady one by "
         "(b/2)|H''|, b the rate of the angular frequency: its largest value over the largest response, told from the "
         "curve itself. "

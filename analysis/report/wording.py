@@ -7,7 +7,18 @@ from typing import Any
 
 from analysis.report.cells import significant, with_U
 
-__all__ = ["again", "failures", "found", "headline", "reasons", "support", "tested", "verdict_line", "waveform"]
+__all__ = [
+    "again",
+    "failures",
+    "found",
+    "headline",
+    "only_sweeps",
+    "reasons",
+    "support",
+    "tested",
+    "verdict_line",
+    "waveform",
+]
 
 Report = Mapping[str, Any]
 
@@ -17,6 +28,9 @@ UNLIKELY = 1e-3
 
 def tested(report: Report) -> str:
     """The report's first sentence: what a run like this can show."""
+    if only_sweeps(report):
+        found = sorted({one["bed"] for one in report["sweeps"]})
+        return f"This run shows force and acceleration against frequency ({', '.join(found)}): it states no energy."
     predicted = {row["bed"] for row in report["conditions"] if row["W_T"]}
     beds = sorted(predicted or {row["bed"] for row in report["conditions"]})
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
@@ -36,6 +50,8 @@ def tested(report: Report) -> str:
 def waveform(report: Report) -> str:
     """Where the signals come from, and which waveform was assumed."""
     origin = "All signals are synthetic." if report["synthetic"] else "The signals were measured."
+    if only_sweeps(report) and report["synthetic"]:
+        return f"{origin} The box moves as exciter and bed let it."
     shaken = [row["thd_acceleration"] for row in report["conditions"] if row["drive"] == "coupled"]
     told = [value for value in shaken if value is not None]
     if told:
@@ -54,6 +70,11 @@ def waveform(report: Report) -> str:
     )
 
 
+def only_sweeps(report: Report) -> bool:
+    """Whether every run that was read is a sweep, of which no energy is stated."""
+    return bool(report.get("sweeps")) and not report["conditions"]
+
+
 def _predicted(report: Report) -> bool:
     return any(row["W_T"] for row in report["conditions"])
 
@@ -64,7 +85,9 @@ def _between(shares: Sequence[float]) -> str:
 
 
 def verdict_line(report: Report) -> str:
-    """The verdict in a word."""
+    """The verdict in a word, and where no energy was there to judge, that."""
+    if only_sweeps(report) and report["verdict"] == "passes":
+        return "Nothing judged, a sweep states no energy"
     return "Passes" if report["verdict"] == "passes" else "Fails"
 
 
@@ -91,6 +114,8 @@ def failures(report: Report) -> tuple[str, ...]:
 
 def headline(report: Report) -> str:
     """How far measurement and prediction are apart."""
+    if only_sweeps(report):
+        return "A sweep states no energy: nothing was compared with a prediction."
     found = report["agreement"]
     if found["ratio"] is None:
         return f"There is no predicted energy to compare with. {_measured(report)}".rstrip()

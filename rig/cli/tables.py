@@ -81,13 +81,14 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
         console.print(f"claim, {claim['verdict']}: {claim['claim'].rstrip('.')} ({claim['why']})")
     console.print()
     ideal = " (ideal waveform assumed in servo drive)" if report["waveform"] == "ideal" else ""
-    console.print(f"tests: {report['tests']}; waveform: {report['waveform']}{ideal}")
+    tests = "no energy" if wording.only_sweeps(report) else report["tests"]
+    console.print(f"tests: {tests}; waveform: {report['waveform']}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print(f"\n{sentence}", soft_wrap=True)
     for flag in report["flags"]:
         worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"
         console.print(f"warning: {flag['flag']} in {counted(len(flag['runs']), 'run')}{worst}")
-    console.print(f"verdict: {report['verdict']}")
+    console.print(f"verdict: {wording.verdict_line(report).lower()}")
     *told, _flags = wording.found(report)
     for sentence in (*wording.failures(report), wording.headline(report), *told, *wording.reasons(report)):
         console.print(f"  {sentence.translate(PLAIN)}")

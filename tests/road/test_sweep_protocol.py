@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from analysis.report import wording
+from analysis.report.sweep import sweep_plot
 from analysis.sweep import fundamentals, shift
 from rig.beds.stack import nominal
 from rig.campaign import Campaign, run
@@ -60,6 +63,7 @@ def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
     assert report["verdict"] == "passes"
     assert report["left_out"] == []
     assert report["conditions"] == []
+    _told_truly(report)
     drive = protocol.drive
     for one, condition in zip(report["sweeps"], campaign.conditions, strict=True):
         stand = CoupledStand(condition.scene, rig, drive,
@@ -74,6 +78,34 @@ def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
         assert one["frequency"][0] > 8.9
         assert one["frequency"][-1] < 2.6
         assert one["rate"] == pytest.approx((6.25 - 81.0) / 400.0)
+
+
+def _told_truly(report: dict[str, Any]) -> None:
+    """Sweeps alone: no ideal waveform, no prediction, no verdict on an energy, and a truth that is there."""
+    assert report["waveform"] == "measured"
+    assert {row["why"] for row in report["comparisons"]} == {"not made: no run states an energy"}
+    assert "empty, locked" in wording.tested(report)
+    assert "ideal" not in wording.waveform(report)
+    assert "states no energy" in wording.headline(report)
+    assert wording.verdict_line(report).startswith("Nothing judged")
+    assert not any("truth" in reason or "can be used" in reason for reason in report["reasons"])
+    drawn = sweep_plot(report)
+    assert drawn is not None
+    assert all(one["run"] in str(drawn) for one in report["sweeps"])
+
+
+def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
+    """An amplifier that clips fails the session, and the flags say in which runs and how far beyond the limit."""
+    protocol = load_protocol(SWEEP, ["drive.command=95 %", "acquire.record=60 cycles"])
+    report = run(Campaign.of(protocol, load_rig("default"), SWEEP), tmp_path)
+    assert report["verdict"] == wording.verdict_line(report).lower() == "fails"
+    flags = {row["flag"]: row for row in report["flags"]}
+    assert {flag for one in report["sweeps"] for flag in one["flags"]} == set(flags)
+    for name, flag in flags.items():
+        assert flag["runs"] == [one["run"] for one in report["sweeps"] if name in one["flags"]]
+    assert flags["clipped"]["worst"] is None
+    assert flags["over_stroke"]["worst"] > 1.0
+    assert "clipped" in wording.found(report)[-1]
 
 
 def test_looking_ahead_sees_the_whole_sweep() -> None:
