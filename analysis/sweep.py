@@ -29,9 +29,10 @@ NEIGHBOURS = 3  # points on either side of a parabola
 def sweep(
     record: Record, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
-    """The sweep of one run with its flags and its shares of the exciter's limits, SI: fundamentals (peak) at the mean frequency of each cycle, or of some
-    cycles together where they are more than MOST_POINTS; phase by which force leads acceleration, rad; apparent mass
-    Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and acceleration, over the largest one.
+    """The sweep of one run with its flags and its shares of the exciter's limits, SI: fundamentals (peak) at the mean
+    frequency of each cycle, or of some cycles together where they are more than MOST_POINTS; phase by which force leads
+    acceleration, rad; apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and
+    acceleration, over the largest one.
 
     AnalysisError where the run is incomplete or a channel is missing.
     """
@@ -51,7 +52,8 @@ def sweep(
     pace = _pace(setting)
     ratio = force * acceleration.conj()
     return {
-        "run": run.name, "flags": list(flags), "use": dict(use or {}), "condition": run.condition, "bed": setting.bed, "fill": setting.fill,
+        "run": run.name, "flags": list(flags), "use": dict(use or {}),
+        "condition": run.condition, "bed": setting.bed, "fill": setting.fill,
         "from": setting.frequency, "to": setting.sweep_to, "rate": pace, "cycles_each": together,
         "frequency": frequency.tolist(), "force": np.abs(force).tolist(),
         "acceleration": np.abs(acceleration).tolist(), "force_phase": np.angle(ratio).tolist(),
