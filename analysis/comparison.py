@@ -193,8 +193,7 @@ def _recorded(result: Result) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(names)
     scale = found.W_T.value
-    told = min(scale, result.W_exp.value) >= max(result.detect, result.W_exp.U) and scale > 0
-    offset = _offset(found, result.W_exp.value, found.W_T) if told else None
+    offset = _offset(found, result.W_exp.value, found.W_T) if result.comparable_recorded else None
     of_W = (offset.value, offset.U) if offset else (None, None)
     return dict(zip(names, (scale, found.W_T.U, *of_W, _E_n(found.difference)), strict=True))
 
@@ -219,31 +218,35 @@ def _run_row(run: RunEnergy) -> dict[str, Any]:
 
 def _agreement(results: Sequence[Result]) -> dict[str, Any]:
     """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay common."""
-    ratio, recorded = energy_ratio(results), recorded_ratio(results)
+    comparable = [r for r in results if r.comparable]
+    ratio = energy_ratio(comparable)
+    on_waveform = [(r, r.recorded.W_T) for r in results if r.recorded is not None and r.comparable_recorded]
+    recorded = recorded_ratio([r for r, _ in on_waveform])
+    predicted = [(r, r.W_T) for r in results if r.W_T is not None and r.W_T.value > 0]
     on_record = {
         "ratio_recorded": recorded.value if recorded else None, "U_ratio_recorded": recorded.U if recorded else None,
+        "put_in_recorded": _put_in(on_waveform),
     }  # fmt: skip
     if ratio is None:
-        names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "line", "mean_offset", "put_in")
-        return dict.fromkeys(names, None) | {"n": 0} | on_record
-    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
-    offsets = [r.W_exp.value / w - 1 for r, w in told if r.comparable]
-    comparable = [r for r in results if r.comparable]
+        names = ("ratio", "U_ratio", "k", "nu", "slope", "U_slope", "line", "mean_offset")
+        return dict.fromkeys(names, None) | {"n": 0, "put_in": _put_in(predicted)} | on_record
+    offsets = [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
     slope, line = line_through(comparable, origin=True), line_through(comparable)
     return {
         "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu,
         "slope": slope.slope.value if slope else None, "U_slope": slope.slope.U if slope else None,
         "line": line.row() if line else None,
         "mean_offset": math.fsum(offsets) / len(offsets) if offsets else None, "n": len(offsets),
-        "put_in": _put_in([r for r, _ in told], math.fsum(w for _, w in told)), **on_record,
+        "put_in": _put_in([(r, W_T) for r, W_T in predicted if r.comparable]), **on_record,
     }  # fmt: skip
 
 
-def _put_in(results: Sequence[Result], total: float) -> float | None:
-    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None without truth."""
-    found = [_ledger_mean(result, column) for result in results for column in BOX_LOSSES]
+def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
+    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None without truth or W_T."""
+    total = math.fsum(W_T.value for _, W_T in predicted)
+    found = [_ledger_mean(result, column) for result, _ in predicted for column in BOX_LOSSES]
     known = [value for value in found if value is not None]
-    return math.fsum(known) / total if known else None
+    return math.fsum(known) / total if known and total > 0 else None
 
 
 def _E_n(difference: Estimate | None) -> float | None:

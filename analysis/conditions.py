@@ -61,8 +61,16 @@ class Result:
     @property
     def comparable(self) -> bool:
         """W_exp and W_T both stand out of the detection limit and of W_exp's uncertainty."""
+        return self._stands_out(self.W_T)
+
+    @property
+    def comparable_recorded(self) -> bool:
+        """As `comparable`, for the prediction on the recorded waveforms."""
+        return self._stands_out(None if self.recorded is None else self.recorded.W_T)
+
+    def _stands_out(self, W_T: Estimate | None) -> bool:
         floor = max(self.detect, self.W_exp.U)
-        return self.W_T is not None and self.W_T.value > 0 and min(self.W_T.value, self.W_exp.value) >= floor
+        return W_T is not None and W_T.value > 0 and min(W_T.value, self.W_exp.value) >= floor
 
     def mean(self, name: str) -> float:
         """Mean over the runs of a number of their Energy."""

@@ -117,8 +117,12 @@ def headline(report: Report) -> str:
     if only_sweeps(report):
         return "A sweep states no energy: nothing was compared with a prediction."
     found = report["agreement"]
+    if found["ratio"] is None and _predicted(report):
+        hidden = "No predicted energy stands out of the detection limit and of U of W_exp, so no offset is stated"
+        return f"{hidden}{_ruled(found['put_in'])}."
     if found["ratio"] is None:
-        return f"There is no predicted energy to compare with. {_measured(report)}".rstrip()
+        where = "" if found.get("ratio_recorded") is None else " on a sine"
+        return f"There is no predicted energy{where} to compare with. {_measured(report)}".rstrip()
     offset, U = found["ratio"] - 1, found["U_ratio"]
     nu = "∞" if found["nu"] is None else f"{found['nu']:.0f}"
     amount = with_U(abs(offset), U, 100.0).text.split(" ± ")
@@ -135,6 +139,15 @@ def headline(report: Report) -> str:
             rest = f"{significant(100 * (offset - found['put_in']), 2)} %"
             text += f"; {put_in} was put in by the rig file (losses of the box), so all else makes {rest}"
     return f"{text}."
+
+
+def _ruled(put_in: float | None) -> str:
+    """That the losses of the box hide the prediction, where they are the larger."""
+    if put_in is None or put_in <= 1:
+        return ""
+    return (
+        f": the losses of the box, which the rig file puts in, dominate with {significant(put_in, 2)} times that energy"
+    )
 
 
 def _measured(report: Report) -> str:
@@ -159,8 +172,9 @@ def _on_recorded(report: Report) -> str:
     ratio, U = (report["agreement"].get(name) for name in ("ratio_recorded", "U_ratio_recorded"))
     if ratio is None or U is None:
         return ""
+    ruled = _ruled(report["agreement"].get("put_in_recorded"))
     amount = with_U(abs(ratio - 1), U, 100).text.replace(" ± ", " % ± ")
-    return f"Against W_T on the recorded waveform W_exp is {amount} % {'more' if ratio >= 1 else 'less'}."
+    return f"Against W_T on the recorded waveform W_exp is {amount} % {'more' if ratio >= 1 else 'less'}{ruled}."
 
 
 def _line(report: Report) -> str:

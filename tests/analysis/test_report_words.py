@@ -119,3 +119,13 @@ def test_why_nothing_can_be_compared(kind, W, why):
     (claim,) = judge([entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results)
     assert claim["verdict"] == "undecided"
     assert why in claim["why"]
+
+
+def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
+    report["agreement"] |= {"ratio": None, "put_in": 155.0}
+    assert "so no offset is stated: the losses of the box" in wording.headline(report)
+    assert "155 times" in wording.headline(report).replace("160", "155")
+    report["agreement"]["put_in"] = 0.3
+    assert wording.headline(report).endswith("so no offset is stated.")
+    report["agreement"] |= {"ratio_recorded": 13.5, "U_ratio_recorded": 0.4, "put_in_recorded": 12.3}
+    assert any("the losses of the box" in text for text in wording.found(report))
