@@ -1,7 +1,7 @@
 """`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict
 
 from rig.campaign import Campaign
@@ -35,7 +35,8 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
         print_json({"conditions": rows, **shown, "unmet": unmet})
     else:
-        _print_outlook(outlooks, totals)
+        swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
+        _print_outlook(outlooks, totals, swept)
         used = {
             "force": max(o.range_force for o in outlooks),
             "acceleration": max(o.range_acceleration for o in outlooks),
@@ -76,11 +77,13 @@ def _print_choices(campaign: Campaign) -> None:
             console.print(f"{name}: the tolerance is not met: {choice.why}")
 
 
-def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float]) -> None:
+def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swept: Set[str]) -> None:
+    """swept: conditions that sweep, of which no level and no energy is told."""
     console = terminal()
     rows = [
         (
-            o.id, o.material, o.bed, f"{100 * o.fill:g}", number(o.acceleration),
+            o.id, o.material, o.bed, f"{100 * o.fill:g}",
+            "-" if o.id in swept else number(o.acceleration),
             f"{o.samples_per_cycle:.0f}",
             *(f"{share:.2f}" for share in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
             f"{o.exciter.peak:.2f}", f"{max(o.range_force, o.range_acceleration):.2f}",
@@ -96,17 +99,21 @@ def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float]) -> 
                 o.U_W_exp, o.W_detect, o.smallest_difference)),
             "-" if o.repeats_needed is None else str(o.repeats_needed),
         )
-        for o in outlooks
+        for o in outlooks if o.id not in swept
     ]  # fmt: skip
     energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference", "repeats for 7 %")
-    console.print(
-        table(
-            "Plan, mJ per cycle: what the repeats will be able to tell (95 %), - for one repeat; repeats for U of 7 %",
-            energies,
-            lines,
-            ("id",),
+    if lines:
+        console.print(
+            table(
+                "Plan, mJ per cycle: what the repeats will be able to tell (95 %), - for one repeat; repeats for "
+                "U of 7 %",
+                energies,
+                lines,
+                ("id",),
+            )
         )
-    )
+    if swept:
+        console.print(f"No energy is stated of sweeps: {', '.join(sorted(swept))}")
     for o in outlooks:
         for flag in o.flags:
             console.print(f"{o.id}: {flag}")

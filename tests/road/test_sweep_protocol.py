@@ -14,6 +14,7 @@ from rig.beds.stack import nominal
 from rig.campaign import Campaign, run
 from rig.campaign.look import look_coupled
 from rig.catalog import load_rig
+from rig.cli.check import check_protocol
 from rig.coupled import CoupledStand
 from rig.drive.electrodynamic import response
 from rig.errors import InputError
@@ -106,6 +107,14 @@ def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
     assert flags["clipped"]["worst"] is None
     assert flags["over_stroke"]["worst"] > 1.0
     assert "clipped" in wording.found(report)[-1]
+
+
+def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
+    protocol = load_protocol(SWEEP, ["acquire.record=60 cycles"])
+    assert check_protocol(Campaign.of(protocol, load_rig("default"), SWEEP), strict=False, as_json=False) == 0
+    told = capsys.readouterr().out
+    assert "W_T" not in told
+    assert "No energy is stated of sweeps: c01, c02" in told
 
 
 def test_looking_ahead_sees_the_whole_sweep() -> None:
