@@ -157,11 +157,16 @@ def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationC
 
 
 def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]) -> ChannelInfo:
-    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record is lost."""
+    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record is lost.
+
+    Noise that is not stated is what does not repeat in the quietest record: there, too, a part of it may be the bed's,
+    whose impacts differ from cycle to cycle, but in the others more of it is.
+    """
     largest = max(float(np.abs(getattr(reading, name)).max()) for reading in readings) or 1.0
     noise = column.noise
     if noise is None:
-        noise = max(noise_rms(getattr(r, name)[r.start :], r.rate / r.frequency) for r in readings)
+        every = (noise_rms(getattr(r, name)[r.start :], r.rate / r.frequency) for r in readings)
+        noise = min(filter(None, every), default=0.0)
     sensitivity = column.sensitivity or 1.0
     return ChannelInfo(
         name=name, quantity=name, unit="N" if name == "force" else "m/s^2", model=column.model, serial=column.serial,

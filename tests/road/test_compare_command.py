@@ -133,3 +133,23 @@ def test_a_simulated_session_against_an_imported_one(
     # the same samples; what differs: frequency found or known, window, poles of the certificate's digits
     assert abs(pair["relative"]) < 0.01
     assert not pair["significant"]
+
+
+def test_what_a_violent_bed_does_not_repeat_is_not_the_quiet_records_noise(
+    rig_command: Rig, made: dict[str, Path], tmp_path: Path
+) -> None:
+    """All levels of session `one` imported together, noise not stated: each is used."""
+    assert rig_command("export", made["one"], "--to", "csv", "--out", tmp_path).returncode == 0
+    facts = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(tmp_path.glob("*.json"))]
+    head = (tmp_path / f"{facts[0]['run']}.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    runs = "".join(f"  - {{file: {one['run']}.csv, condition: {{id: {one['condition']['id']}}}}}\n" for one in facts)
+    (tmp_path / "map.yaml").write_text(
+        "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
+        f"force: {{channel: {json.dumps(head[0])}, time_constant: 2000 s}}\n"
+        f"acceleration: {{channel: {json.dumps(head[1])}, time_constant: 1.6 s}}\nruns:\n{runs}"
+    )
+    done = rig_command("import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab")
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = json.loads((tmp_path / "lab" / "report.json").read_text(encoding="utf-8"))
+    assert report["left_out"] == []
+    assert len(report["conditions"]) == len({one["condition"]["id"] for one in facts}) > 1
