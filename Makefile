@@ -27,7 +27,7 @@ bench: $(READY)
 	$(BIN)/rig bench
 
 stability: $(READY)
-	$(BIN)/python -m benchmarks.stability
+	$(BIN)/python -m rig.benchmarks.stability
 
 clean:
 	rm -rf $(VENV) sessions build *.egg-info

@@ -8,10 +8,10 @@ from typing import Any, TextIO
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from benchmarks.figures import write_figures
-from benchmarks.page import FIGURES, JSONL, as_line, write_page
-from benchmarks.runner import Job, jobs, measured
-from benchmarks.tables import tables
+from rig.benchmarks.figures import write_figures
+from rig.benchmarks.page import FIGURES, JSONL, as_line, write_page
+from rig.benchmarks.runner import Job, jobs, measured
+from rig.benchmarks.tables import tables
 from rig.cli.errors import INTERRUPTED
 from rig.cli.tables import table, terminal
 from rig.errors import InputError, Mistake

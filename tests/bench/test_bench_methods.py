@@ -5,15 +5,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.chain import exact_rebound, stepped_rebound
-from benchmarks.curve import order
-from benchmarks.methods import METHODS, Failed, Method
-from benchmarks.methods.euler import EULER
-from benchmarks.methods.moreau import MOREAU
-from benchmarks.methods.ours import OURS
-from benchmarks.methods.rk4 import RK4
-from benchmarks.reference import energies, followed
-from benchmarks.sliders import (
+from rig.benchmarks.chain import exact_rebound, stepped_rebound
+from rig.benchmarks.curve import order
+from rig.benchmarks.methods import METHODS, Failed, Method
+from rig.benchmarks.methods.euler import EULER
+from rig.benchmarks.methods.moreau import MOREAU
+from rig.benchmarks.methods.ours import OURS
+from rig.benchmarks.methods.rk4 import RK4
+from rig.benchmarks.reference import energies, followed
+from rig.benchmarks.sliders import (
     Slider,
     elastic,
     lidded_slug,

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.claims import CLAIMS, checked, judged
-from benchmarks.curve import cost_at, exponent
-from benchmarks.methods import METHODS, Failed, Method, Work
-from benchmarks.methods.ours import OURS
-from benchmarks.methods.rk4 import RK4
-from benchmarks.page import FIGURES, JSONL, PAGE, as_line, page, read_rows
-from benchmarks.precision import precision
-from benchmarks.runner import Job, jobs, measured, rounded
-from benchmarks.scaling import workers
-from benchmarks.sliders import Slider, weightless
-from benchmarks.small_beds import AVERAGE, SETTLE, by_rows, exact, followed, sliding, small_bed
-from benchmarks.tables import number, tables
-from benchmarks.timing import interleaved, ratios
+from rig.benchmarks.claims import CLAIMS, checked, judged
+from rig.benchmarks.curve import cost_at, exponent
+from rig.benchmarks.methods import METHODS, Failed, Method, Work
+from rig.benchmarks.methods.ours import OURS
+from rig.benchmarks.methods.rk4 import RK4
+from rig.benchmarks.page import FIGURES, JSONL, PAGE, as_line, page, read_rows
+from rig.benchmarks.precision import precision
+from rig.benchmarks.runner import Job, jobs, measured, rounded
+from rig.benchmarks.scaling import workers
+from rig.benchmarks.sliders import Slider, weightless
+from rig.benchmarks.small_beds import AVERAGE, SETTLE, by_rows, exact, followed, sliding, small_bed
+from rig.benchmarks.tables import number, tables
+from rig.benchmarks.timing import interleaved, ratios
 from rig.cli.bench import bench
 
 DOCS = Path(__file__).parents[2] / "docs"

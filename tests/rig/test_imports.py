@@ -25,23 +25,23 @@ ALLOWED = {
 """All that a package imports beside the standard library."""
 
 HOMES = {
-    "analysis": ("analysis", "rig.campaign", "rig.cli", "benchmarks"),
-    "benchmarks": ("benchmarks", "rig.cli.bench"),
-    "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli", "benchmarks"),
+    "analysis": ("analysis", "rig.campaign", "rig.cli", "rig.benchmarks"),
+    "rig.benchmarks": ("rig.benchmarks", "rig.cli"),
+    "daq.session": ("daq", "analysis", "rig.campaign", "rig.cli", "rig.benchmarks"),
     "daq.formats": ("daq.formats", "rig.campaign", "rig.cli"),
-    "daq.frontend": ("daq", "rig.campaign", "benchmarks"),
-    "daq.acquisition": ("daq", "rig.campaign", "benchmarks"),
+    "daq.frontend": ("daq", "rig.campaign", "rig.benchmarks"),
+    "daq.acquisition": ("daq", "rig.campaign", "rig.benchmarks"),
     "daq.transducer": ("daq", "rig.campaign"),
-    "rig.campaign": ("rig.campaign", "rig.cli", "rig", "benchmarks"),
+    "rig.campaign": ("rig.campaign", "rig.cli", "rig", "rig.benchmarks"),
     "rig.cli": ("rig.cli",),
     "yaml": ("rig.catalog",),
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
-    "h5py": ("daq.session", "daq.formats", "benchmarks.records", "benchmarks.recording"),
+    "h5py": ("daq.session", "daq.formats", "rig.benchmarks.records", "rig.benchmarks.recording"),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
-    "matplotlib": ("analysis.figures", "analysis.study_figures", "benchmarks"),
-    "numba": ("daq", "rig.kernels", "analysis.passes", "benchmarks"),
+    "matplotlib": ("analysis.figures", "analysis.study_figures", "rig.benchmarks"),
+    "numba": ("daq", "rig.kernels", "analysis.passes", "rig.benchmarks"),
 }
 """All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
 
@@ -55,7 +55,7 @@ def within(name: str, places: tuple[str, ...]) -> bool:
 
 def modules() -> dict[str, ast.Module]:
     found = {}
-    for package in ("rig", "daq", "analysis", "benchmarks"):
+    for package in ("rig", "daq", "analysis"):
         for path in sorted((ROOT / package).rglob("*.py")):
             parts = path.relative_to(ROOT).with_suffix("").parts
             name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
-from benchmarks.hard.suite import CASES, outcome
-from benchmarks.stability import PAGE, differences, page
+from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
+from rig.benchmarks.hard.suite import CASES, outcome
+from rig.benchmarks.stability import PAGE, differences, page
 from rig.theory.slug import Slug, slug_total
 from rig.theory.total import TooManyEvents
 

@@ -1,0 +1,123 @@
+"""Whole beds: the layers at five levels by several integrators, and the ladder of models to choose from."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+
+from rig.beds.stack import Stack, nominal, stack
+from rig.benchmarks.methods import METHODS, Method
+from rig.benchmarks.sliders import Slider
+from rig.benchmarks.timing import interleaved, peak_memory, spread
+from rig.catalog import load_rig
+from rig.catalog.entries import Rig
+from rig.model import closed, paper_tier
+from rig.protocol import load_protocol
+from rig.scene import Condition
+
+Row = dict[str, Any]
+
+SETTLE = AVERAGE = 64
+"""Cycles that a stepping method settles and averages: as many as the closed tier averages where a row has no period."""
+
+PROTOCOL = "schema: rig/protocol/1\nname: bench\n"
+
+
+@dataclass(frozen=True)
+class Bed:
+    """The standard bed (steel, 4 mm, 85 %, 20 Hz) at one level, m/s^2, with some rows per layer."""
+
+    condition: Condition
+    rig: Rig
+    stack: Stack
+
+    def energy(self, cycles: int = AVERAGE) -> float:
+        """Closed tier, J per cycle; rows without a period averaged over `cycles`."""
+        drive = self.condition.drive
+        return closed(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
+
+
+@lru_cache
+def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> Bed:
+    """A bed as the protocol's defaults have it; `extra` are further settings, as after `--set`."""
+    rig = load_rig("default")
+    sets = [f"drive.acceleration={level}", f"scene.layers.rows={rows}", *extra]
+    condition = load_protocol(PROTOCOL, sets=sets).conditions()[0]
+    return Bed(condition, rig, stack(condition.scene, rig, nominal(condition.scene, rig)))
+
+
+def stepped(found: Bed, method: Method, setting: float) -> float:
+    """W of a bed by another integrator, row by row, J per cycle."""
+    drive, rows = found.condition.drive, found.stack
+    unit = rows.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2
+    length = drive.acceleration / (2.0 * np.pi * drive.frequency) ** 2
+    total = 0.0
+    for threshold, plays in zip(rows.threshold, rows.play, strict=True):
+        if threshold >= drive.acceleration:
+            continue
+        for play in plays:
+            row = Slider("", threshold / drive.acceleration, play / length, rows.restitution, 0.0, 0.0)
+            total += method.solve(row, setting, SETTLE, AVERAGE).energy
+    return unit * total
+
+
+STEPPING = (("RK4, events located", 32.0), ("semi-implicit Euler", 400.0), ("semi-implicit Euler", 1600.0),
+            ("Moreau time stepping", 400.0))  # fmt: skip
+
+
+def layers(level: float, rounds: int, quick: bool) -> list[Row]:
+    """Models and integrators on one bed: time of a condition, error of W against what each sets out to compute.
+
+    `error` is against the same rows averaged over 4096 cycles (for the paper tier: none), `model_error` against 148
+    rows per layer and 1024 cycles; quick: 37 rows and 512 cycles. L2/d is 37.
+    """
+    many, long = (37, 512) if quick else (148, 1024)
+    reference = bed(level, many).energy(long)
+    omega = 2.0 * np.pi * bed(level).condition.drive.frequency
+    calls: dict[str, tuple[Callable[[], float], int]] = {
+        "paper tier": (partial(paper_tier, bed(level).condition.scene, bed(level).rig, level / omega), 0)
+    }
+    for rows in (2, 8, 37):
+        calls[f"closed tier, {rows} rows"] = (bed(level, rows).energy, rows)
+    methods = {method.name: method for method in METHODS}
+    for name, setting in STEPPING[:2] if quick else STEPPING:
+        calls[f"{name}, {setting:g} steps, 8 rows"] = (partial(stepped, bed(level), methods[name], setting), 8)
+    exact = {rows: bed(level, rows).energy(4096) for rows in (2, 8, 37)}
+    found: dict[str, Row] = {}
+    for name, (call, rows) in calls.items():
+        energy, memory = peak_memory(call)
+        found[name] = {
+            "kind": "layers", "problem": f"layers, {level:g} m/s2", "level": level, "method": name, "W_T": energy,
+            "error": abs(energy / exact[rows] - 1.0) if rows else None, "model_error": energy / reference - 1.0,
+            "reference": f"{many} rows per layer, {long} cycles", "memory_kB": memory, "failure": None,
+        }  # fmt: skip
+    for name, seconds in interleaved({name: call for name, (call, _) in calls.items()}, rounds).items():
+        found[name]["ms"] = spread([1e3 * value for value in seconds])
+    return list(found.values())
+
+
+def drift(cycles: int, settle: int = 0) -> Iterator[Row]:
+    """Account of bed `layers` over many cycles: work = friction + collision + change of kinetic energy."""
+    from rig.beds.layers import Layers
+    from rig.drive.sampling import Sampling
+    from rig.drive.waveform import Waveform
+
+    for level in (2.0, 5.0):
+        found = bed(level)
+        moving = Layers(found.stack, Sampling(Waveform(found.condition.drive.frequency, level), 8.0))
+        kinetic, largest = moving.kinetic_at_start, 0.0
+        left, taken = 0.0, 0.0
+        for _ in range(settle, cycles, 100):
+            part = moving.advance(100)
+            change = np.diff(part.kinetic, prepend=kinetic)
+            off = part.work - part.friction - part.collision - change
+            kinetic = float(part.kinetic[-1])
+            left += float(off.sum())
+            taken += float(part.work.sum())
+            largest = max(largest, float(np.abs(off).max()))
+        yield {
+            "kind": "drift", "problem": f"layers, {level:g} m/s2", "cycles": cycles, "left_J": left,
+            "drift": abs(left / taken), "largest_J": largest, "W": taken / cycles, "failure": None,
+        }  # fmt: skip

@@ -1,0 +1,24 @@
+"""All hard cases, in the order of the stability page; each is run once in a process."""
+
+from functools import cache
+
+from rig.benchmarks.hard import beds, chains, coupled, ledgers, orbits, pairs, rows, slugs
+from rig.benchmarks.hard.case import Case, Outcome
+
+GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
+    ("Collision of a pair", pairs.CASES),
+    ("Files of grains", chains.CASES),
+    ("Rows of bed `layers`", (*rows.CASES, *orbits.CASES)),
+    ("Bed `slug`", slugs.CASES),
+    ("Coupled drive", coupled.CASES),
+    ("Scenes at the edge", beds.CASES),
+    ("Long runs", ledgers.CASES),
+)
+
+CASES: tuple[Case, ...] = tuple(case for _, cases in GROUPS for case in cases)
+
+
+@cache
+def outcome(name: str) -> Outcome:
+    """What the case of a name gave."""
+    return next(case for case in CASES if case.name == name).run()

@@ -1,0 +1,42 @@
+"""What the numbers were measured on: the first line of every output."""
+
+import os
+import platform
+from pathlib import Path
+from typing import Any
+
+from rig.provenance import commit, now, version_of
+
+PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "llvmlite", "h5py", "matplotlib")
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def cpu() -> str:
+    """The processor's name as the system gives it."""
+    listing = Path("/proc/cpuinfo")
+    if listing.exists():
+        for line in listing.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def header(quick: bool) -> dict[str, Any]:
+    """Machine, versions, commit (empty where there is no checkout) and the load that others put on it at the start."""
+    return {
+        "kind": "machine",
+        "quick": quick,
+        "cpu": cpu(),
+        "cores": cores(),
+        "load": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
+        "platform": platform.platform(),
+        "python": platform.python_version(),
+        "packages": {name: version_of(name) for name in PACKAGES},
+        "git_commit": commit(),
+        "created": now(),
+    }

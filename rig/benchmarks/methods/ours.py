@@ -1,0 +1,81 @@
+"""The rig's own way: from event to event, closed form between them, phases by safeguarded Newton and Halley steps.
+
+Sliders are the rows of bed `layers` (rig.kernels.row), masses with weight the slug (rig.kernels.slug_cycle).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rig.benchmarks.methods.method import Failed, Method, Work
+from rig.benchmarks.sliders import WIDE, Slider
+from rig.kernels.borrowed import borrowed
+from rig.kernels.row import cycle, no_events
+from rig.kernels.slug_cycle import Events, World, world
+from rig.kernels.slug_cycle import cycle as slug_cycle
+from rig.kernels.slug_cycle import no_events as slug_room
+from rig.kernels.waveform import Array, crossings, extrema
+
+
+def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  # noqa: ARG001  there is no setting
+    """Every cycle simulated, as by the other methods: the rig itself stops where a state recurs."""
+    sine, cosine = np.ones(1), np.zeros(1)
+    if slider.gravity > 0.0:
+        upper = slider.play if slider.play < WIDE else math.inf
+        place, table = world(slider.gravity, 0.0, 0.0, upper, slider.restitution, sine, cosine)
+        found = _slug(*slider.start, place, table, sine, cosine, slug_room(), settle, average)
+    else:
+        table = crossings(np.array([slider.band]), sine, cosine, extrema(sine, cosine)).tables[0]
+        found = _row(
+            slider.band, slider.play, slider.restitution, *slider.start, table, sine, cosine, no_events(), settle,
+            average,
+        )  # fmt: skip
+    if found[1] < 0:
+        raise Failed("more events in a cycle than can be followed")
+    return Work(*found)
+
+
+@njit(cache=True, nogil=True)
+def _row(
+    band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
+    room: NDArray[np.void], settle: int, average: int,
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+    energy, events, roots = 0.0, 0, 0
+    table, P, Q = borrowed(table), borrowed(P), borrowed(Q)
+    event = borrowed(room)[0]
+    for k in range(settle + average):
+        after = cycle(mode, u, z, band, play, restitution, table, P, Q, event)
+        mode, u, z = after.mode, after.u, after.z
+        if after.events < 0:
+            return energy, -1, 0, 0, roots, u, z
+        events += after.events
+        roots += after.roots
+        if k >= settle:
+            energy += (after.friction + after.collision) / average
+    return energy, events, roots, 0, roots, u, z
+
+
+@njit(cache=True, nogil=True)
+def _slug(
+    mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
+    average: int,
+) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))
+    energy, events, roots = 0.0, 0, 0
+    for k in range(settle + average):
+        after = slug_cycle(mode, u, z, world, table, P, Q, S, C, room)
+        mode, u, z = after.mode, after.q, after.u
+        if after.events < 0:
+            return energy, -1, 0, 0, roots, u, z
+        events += after.events
+        roots += after.roots
+        if k >= settle:
+            energy += (after.friction + after.collision) / average
+    return energy, events, roots, 0, roots, u, z
+
+
+OURS = Method("event-driven (ours)", "ours", "", (0.0,), (0.0,), solve)
