@@ -243,7 +243,7 @@ def cycle(
             return Cycle(mode, q, u, n, roots, high, work, friction, collision)
         theta = min(start + t, table[line, 0])
         x, v = x + (v + u - 0.5 * pull * t) * t - d, v + u - pull * t - slip
-        q, u, slid = q + d, 0.0, mode * band
+        q, u, slid = min(max(q + d, world.lower), world.upper), 0.0, mode * band  # not behind a wall by round-off
         closing, back, sense = 0.0, 0.0, 0.0
         if kind != STOP:
             sense = 1.0 if kind == HIGH else -1.0
