@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,9 @@ _WORDS: dict[str, Scalar] = {
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_LOADERS: tuple[Any, ...] = (getattr(yaml, "CSafeLoader", yaml.SafeLoader), yaml.SafeLoader)
+"""Parsers in turn. The first is fast, where it is built in, and has limits of its own, others in each version; what it
+refuses is read by the second, which has none, so that bounds and words are the same everywhere."""
 
 
 def read_file(path: Path) -> str:
@@ -54,16 +57,43 @@ def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
     What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to `mistakes`; what
     does not raises InputError.
     """
-    return _Builder(lambda line: f"{source}:{line + 1}", mistakes).read(text, source)
+    return _read(text, source, lambda line: f"{source}:{line + 1}", mistakes)
 
 
 def read_value(text: str, place: str) -> Node:
     """The tree of a value given on the command line; every place in it reads `place`. Raises InputError."""
     mistakes: list[Mistake] = []
-    node = _Builder(lambda _line: place, mistakes).read(text, place)
+    node = _read(text, place, lambda _line: place, mistakes)
     if mistakes:
         raise InputError(*mistakes)
     return node
+
+
+def _read(text: str, source: str, place: Callable[[int], str], mistakes: list[Mistake]) -> Node:
+    if len(text) > MAX_BYTES:
+        raise InputError(Mistake(source, "", "a text of more than 1 MiB", "at most 1 MiB of YAML"))
+    *first, last = _LOADERS
+    for loader in first:
+        found: list[Mistake] = []
+        with suppress(yaml.MarkedYAMLError):
+            root = _Builder(place, found).read(text, source, loader)
+            mistakes += found
+            return root
+    try:
+        return _Builder(place, mistakes).read(text, source, last)
+    except yaml.MarkedYAMLError as error:
+        raise InputError(_syntax_mistake(error, text, source, place)) from error
+
+
+def _syntax_mistake(error: yaml.MarkedYAMLError, text: str, source: str, place: Callable[[int], str]) -> Mistake:
+    mark = error.problem_mark or error.context_mark
+    problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix("found ")
+    if mark is None:
+        return Mistake(source, "", problem, "YAML")
+    line = "".join(text.splitlines()[mark.line : mark.line + 1])
+    tabs = "\t" in line[: len(line) - len(line.lstrip())]
+    hint = "indent with spaces, not with tabs" if tabs else ""
+    return Mistake(place(mark.line), "", f"no YAML: {problem}", "YAML", hint)
 
 
 class _Builder:
@@ -75,27 +105,13 @@ class _Builder:
         self.nodes = 0
         self.anchors: dict[str, tuple[Node, int]] = {}
 
-    def read(self, text: str, source: str) -> Node:
-        if len(text) > MAX_BYTES:
-            raise InputError(Mistake(source, "", "a text of more than 1 MiB", "at most 1 MiB of YAML"))
+    def read(self, text: str, source: str, loader: Any) -> Node:
+        """The tree of a text by one parser. Raises InputError, or the parser's own error for a syntax it refuses."""
         try:
             text.encode("utf-8")
-            root = self._document(yaml.parse(text, Loader=_LOADER), source)
-        except yaml.MarkedYAMLError as error:
-            raise InputError(self._syntax_mistake(error, text, source)) from error
-        except (yaml.YAMLError, UnicodeEncodeError) as error:
+            return self._document(yaml.parse(text, Loader=loader), source)
+        except (yaml.reader.ReaderError, UnicodeEncodeError) as error:
             raise InputError(Mistake(source, "", "characters that are not text", "YAML text in UTF-8")) from error
-        return root
-
-    def _syntax_mistake(self, error: yaml.MarkedYAMLError, text: str, source: str) -> Mistake:
-        mark = error.problem_mark or error.context_mark
-        problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix("found ")
-        if mark is None:
-            return Mistake(source, "", problem, "YAML")
-        line = "".join(text.splitlines()[mark.line : mark.line + 1])
-        tabs = "\t" in line[: len(line) - len(line.lstrip())]
-        hint = "indent with spaces, not with tabs" if tabs else ""
-        return Mistake(self.place(mark.line), "", f"no YAML: {problem}", "YAML", hint)
 
     def _document(self, events: Iterator[Any], source: str) -> Node:
         root: Node | None = None

@@ -16,7 +16,7 @@ LEAST = "schema: rig/protocol/1\nname: least\n"
 def _either_parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both YAML parsers: the C one is not built everywhere."""
     if request.param == "Python":
-        monkeypatch.setattr(reader, "_LOADER", yaml.SafeLoader)
+        monkeypatch.setattr(reader, "_LOADERS", (yaml.SafeLoader,))
 
 
 def lines(source: str | Path, **changes: list[str]) -> list[str]:
@@ -223,6 +223,15 @@ def test_command_line_changes_carry_their_place(changes: dict[str, list[str]], s
 )
 def test_texts_that_are_no_protocol(text: str, part: str) -> None:
     assert any(part in message for message in lines(text))
+
+
+@pytest.mark.usefixtures("_either_parser")
+@pytest.mark.parametrize("levels", [21, 999, 1001, 20_000])
+@pytest.mark.parametrize("opener", ["[", "{a: ", "[{a: ", "- ", "? ", "- ? "])
+def test_no_limit_of_a_parser_is_met_before_ours(opener: str, levels: int) -> None:
+    """A parser may have a limit of its own on nesting (libyaml: 1000, 10000 or none, by version), and other words."""
+    (message,) = lines(f"# a comment\nname:\n {opener * levels}\n")
+    assert message.startswith("protocol:3: found more than 20 levels")
 
 
 @pytest.mark.usefixtures("_either_parser")
