@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rig import shipped
 from rig.axes import Axes, plain_axes, read_axes
 from rig.catalog.reader import read_file, read_yaml
 from rig.catalog.rigfile import is_path, rig_path
 from rig.catalog.shelves import HERE
 from rig.catalog.writer import write_yaml
 from rig.edits import edited
-from rig.errors import InputError, in_order
+from rig.errors import InputError, Mistake, in_order, quote
 from rig.expect import plain_expect, read_expect
 from rig.faultlist import misplaced, plain_faults, read_faults
 from rig.grid import Row, expand
@@ -51,7 +53,7 @@ def load_protocol(
     source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
     rig: str | None = None,
 ) -> Protocol:  # fmt: skip
-    """The protocol of a file, or of a text (a string of several lines, or one that starts with a brace).
+    """The protocol of a file, of a shipped name (`fill_rate`), or of a text (several lines, or a brace first).
 
     `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]"; `seed` and `rig`
     replace the protocol's. Raises InputError with every mistake in it.
@@ -67,7 +69,11 @@ def read_protocol(
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
         path, text, name = None, source, "protocol"
     else:
-        path = Path(source)
+        path = shipped.protocol_path(source)
+        if not os.path.lexists(path) and NAME.fullmatch(str(source)):
+            found = f"no file and no shipped protocol {quote(str(source))}"
+            allowed = f"a protocol file, or one of {', '.join(shipped.names())}"
+            raise InputError(Mistake(str(source), "", found, allowed, shipped.hint(str(source))))
         text, name = read_file(path), str(path)
     notes = Notes(known=tuple(paths_of(Protocol)))
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)

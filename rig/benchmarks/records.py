@@ -18,6 +18,7 @@ from daq.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, 
 from daq.fir import DELAY
 from daq.frontend import FrontEnd
 from daq.session import open_session
+from rig import shipped
 from rig.benchmarks.machine import ROOT, cores
 from rig.benchmarks.process import run_process, timed_process
 from rig.benchmarks.scaling import workers
@@ -30,7 +31,7 @@ from rig.protocol import read_protocol
 Row = dict[str, Any]
 Array = np.typing.NDArray[np.float64]
 
-FILL = ROOT / "protocols" / "fill_rate.yaml"
+FILL = shipped.folder() / "fill_rate.yaml"
 REPLAY, PLAIN = "replay: blocks and energies (ours)", "plain h5py and trapezoids"
 RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
 

@@ -41,7 +41,7 @@ def options(
     """Virtual test rig for particle dampers: run a protocol, read the records, compare with the model."""
 
 
-ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML).")]
+ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML) or shipped name.")]
 Sets = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked.")
 ]
@@ -80,7 +80,7 @@ def run(
 ) -> None:
     """Run every condition and repeat; write the session and its report.
 
-    Example: rig run protocols/fill_rate.yaml --workers 2
+    Example: rig run fill_rate --workers 2
     """
     from rig.cli.run import run_protocol
 
@@ -99,7 +99,7 @@ def check(
 
     Exit code 1 where a level, a range or a tolerance will not be kept.
 
-    Example: rig check protocols/fill_rate.yaml --set drive.acceleration="8 m/s^2"
+    Example: rig check fill_rate --set drive.acceleration="8 m/s^2"
     """
     from rig.cli.check import check_protocol
 
@@ -108,7 +108,7 @@ def check(
 
 @app.command()
 def model(
-    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file; else defaults.")] = None,
+    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file or name.")] = None,
     rig: RigFile = None, set_: Sets = None, vary: Varies = None,
     study: Annotated[str | None, typer.Option(metavar="NAME", help="friction, collision or errata, in place.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a study; default studies/NAME.")] = None,
@@ -254,7 +254,7 @@ def calibrate(
 ) -> None:  # fmt: skip
     """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological sense).
 
-    Example: rig calibrate protocols/density.yaml --target 0.07 --out my_rig.yaml
+    Example: rig calibrate density --target 0.07 --out my_rig.yaml
     """
     from rig.cli.calibrate import calibrate_rig
 

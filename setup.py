@@ -1,0 +1,8 @@
+"""What pyproject.toml cannot say: `protocols/`, a folder at the top, is installed as a folder of `rig`."""
+
+from setuptools import find_packages, setup
+
+setup(
+    packages=[*find_packages(include=["rig*", "daq*", "analysis*"]), "rig.protocols"],
+    package_dir={"rig.protocols": "protocols"},
+)
