@@ -6,6 +6,8 @@ Works on any session record, simulated or imported, and imports no simulator. Na
 import importlib
 from typing import TYPE_CHECKING
 
+from daq.caches import place_caches
+
 if TYPE_CHECKING:
     from analysis.comparison import agreement
     from analysis.energy import Energy, dissipated_energy
@@ -30,6 +32,8 @@ _HOME = {
     "run_energy": "analysis.reading",
     "write_report": "analysis.report",
 }
+
+place_caches()
 
 
 def __getattr__(name: str) -> object:

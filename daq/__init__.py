@@ -2,10 +2,14 @@
 
 from typing import TYPE_CHECKING, Any
 
+from daq.caches import place_caches
+
 if TYPE_CHECKING:
     from daq.session import open_session
 
 __all__ = ["open_session"]
+
+place_caches()
 
 
 def __getattr__(name: str) -> Any:

@@ -3,6 +3,8 @@
 import importlib
 from typing import TYPE_CHECKING
 
+from daq.caches import place_caches
+
 if TYPE_CHECKING:
     from rig.campaign import run
     from rig.model import predict
@@ -11,6 +13,8 @@ if TYPE_CHECKING:
 __all__ = ["load_protocol", "predict", "run"]
 
 _HOME = {"load_protocol": "rig.protocol", "predict": "rig.model", "run": "rig.campaign"}
+
+place_caches()
 
 
 def __getattr__(name: str) -> object:
