@@ -1,10 +1,12 @@
-# Every target works in a fresh clone: it makes its own virtual environment from pyproject.toml first.
-PYTHON ?= $(firstword $(shell command -v python3.11 python3.12 python3.13 python3))
+# Every target works in a fresh clone: it makes its own virtual environment from pyproject.toml and lock.txt first.
+# The Pythons that lock.txt is made for; a command that is there but does not run (a version manager's) is passed over.
+PYTHONS := 3.11 3.12 3.13 3.14
+PYTHON ?= $(firstword $(foreach p,python3.11 python3.12 python3.13 python3.14 python3,$(shell $p -c 'print("$p")' 2>/dev/null)))
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint docs bench stability slow clean
+.PHONY: demo test lint docs dist bench stability slow lock lowest newest clean
 
 demo: $(READY)
 	$(BIN)/rig run protocols/fill_rate.yaml --out sessions/fill_rate --force
@@ -23,17 +25,37 @@ lint: $(READY)
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
+dist: $(READY)
+	rm -rf build/dist && mkdir -p build/dist
+	$(LOCKED) $(BIN)/python -m build --outdir build/dist . > build/dist.log || { cat build/dist.log; exit 1; }
+	$(BIN)/python -m twine check --strict build/dist/*
+
 bench: $(READY)
 	$(BIN)/rig bench
 
 stability: $(READY)
 	$(BIN)/python -m rig.benchmarks.stability
 
+lock:
+	.ci/lock $(PYTHONS)
+
+lowest:
+	.ci/lowest
+
+newest:
+	.ci/newest
+
 clean:
 	rm -rf $(VENV) sessions build *.egg-info
 
-$(READY): pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, found " + sys.version)'
+# Old pips read the versions of build tools from PIP_CONSTRAINT, new ones from PIP_BUILD_CONSTRAINT; neither minds the
+# other. (No hashes: pip then refuses to install the project itself from its folder.)
+LOCKED := PIP_CONSTRAINT=lock.txt PIP_BUILD_CONSTRAINT=lock.txt
+
+$(READY): pyproject.toml setup.py lock.txt
+	@case " $(PYTHONS) " in *" $$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>&1) "*) ;; \
+	*) echo "The locked versions are for Python $(PYTHONS); found: $$($(PYTHON) --version 2>&1 || echo none)." \
+	"Say which to take: make PYTHON=python3.11" >&2; exit 1;; esac
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
+	$(LOCKED) $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
 	@touch $(READY)
