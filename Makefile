@@ -12,10 +12,10 @@ demo: $(READY)
 	$(BIN)/rig run protocols/fill_rate.yaml --out sessions/fill_rate --force
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 slow: $(READY)
-	$(BIN)/python -m pytest -n 2 -m slow
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -26,8 +26,8 @@ docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 dist: $(READY)
-	rm -rf build/dist && mkdir -p build/dist
-	$(LOCKED) $(BIN)/python -m build --outdir build/dist . > build/dist.log || { cat build/dist.log; exit 1; }
+	rm -rf build/dist && mkdir -p build
+	$(LOCKED) $(BIN)/python -m build --outdir build/dist . > build/dist.log 2>&1 || { cat build/dist.log; exit 1; }
 	$(BIN)/python -m twine check --strict build/dist/*
 
 bench: $(READY)
@@ -54,7 +54,7 @@ LOCKED := PIP_CONSTRAINT=lock.txt PIP_BUILD_CONSTRAINT=lock.txt
 
 $(READY): pyproject.toml setup.py lock.txt
 	@case " $(PYTHONS) " in *" $$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>&1) "*) ;; \
-	*) echo "The locked versions are for Python $(PYTHONS); found: $$($(PYTHON) --version 2>&1 || echo none)." \
+	*) echo "The locked versions are for Python $(PYTHONS); found: $$({ $(PYTHON) --version || echo none; } 2>/dev/null)." \
 	"Say which to take: make PYTHON=python3.11" >&2; exit 1;; esac
 	$(PYTHON) -m venv $(VENV)
 	$(LOCKED) $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'

@@ -70,15 +70,21 @@ def read_protocol(
         path, text, name = None, source, "protocol"
     else:
         path = shipped.protocol_path(source)
-        if not os.path.lexists(path) and NAME.fullmatch(str(source)):
-            found = f"no file and no shipped protocol {quote(str(source))}"
-            allowed = f"a protocol file, or one of {', '.join(shipped.names())}"
-            raise InputError(Mistake(str(source), "", found, allowed, shipped.hint(str(source))))
+        if isinstance(source, str) and not os.path.lexists(path) and "\0" not in source:
+            raise _no_file(source)
         text, name = read_file(path), str(path)
     notes = Notes(known=tuple(paths_of(Protocol)))
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
     folder = path.parent if path is not None and rig is None else Path()
     return LoadedProtocol(_read(root, folder, notes), text, path)
+
+
+def _no_file(source: str) -> InputError:
+    names, hint = ", ".join(shipped.names()), shipped.hint(source)
+    if NAME.fullmatch(source) and not source.endswith((".yaml", ".yml")):
+        found = f"no file and no shipped protocol {quote(source)}"
+        return InputError(Mistake(source, "", found, f"a protocol file, or one of {names}", hint))
+    return InputError(Mistake(source, "", "no such file or directory", "a readable file", hint))
 
 
 def dump_protocol(protocol: Protocol) -> str:

@@ -1,0 +1,66 @@
+"""lock.txt names one version of everything that a command installs, inside the ranges of pyproject.toml."""
+
+import tomllib
+from importlib.metadata import requires
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[2]
+LINES = (ROOT / "lock.txt").read_text(encoding="utf-8").splitlines()
+PINS = [Requirement(line) for line in LINES if line and not line.startswith("#")]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+DIRECT = [
+    Requirement(text)
+    for texts in (
+        PROJECT["build-system"]["requires"],
+        PROJECT["project"]["dependencies"],
+        *PROJECT["project"]["optional-dependencies"].values(),
+    )
+    for text in texts
+]
+
+
+def pinned(python: str) -> dict[str, str]:
+    """Name -> version on Linux with a Python; each name once."""
+    environment = {
+        "python_version": python, "python_full_version": f"{python}.9", "sys_platform": "linux", "os_name": "posix",
+        "platform_system": "Linux", "platform_machine": "x86_64", "platform_python_implementation": "CPython",
+        "implementation_name": "cpython", "extra": "",
+    }  # fmt: skip
+    holding = [pin for pin in PINS if pin.marker is None or pin.marker.evaluate(environment)]
+    found = {canonicalize_name(pin.name): str(pin.specifier).removeprefix("==") for pin in holding}
+    assert len(found) == len(holding)
+    return found
+
+
+@pytest.mark.parametrize("python", ["3.11", "3.12", "3.13", "3.14"])
+def test_every_direct_requirement_is_locked_within_its_range(python: str) -> None:
+    locked = pinned(python)
+    out = [str(wanted) for wanted in DIRECT if not wanted.specifier.contains(locked[canonicalize_name(wanted.name)])]
+    assert out == []
+
+
+def test_what_they_require_is_locked_too() -> None:
+    """By the metadata of what is installed here, for the Python that runs this."""
+    names = {canonicalize_name(pin.name) for pin in PINS if pin.marker is None or pin.marker.evaluate({"extra": ""})}
+    left = [(wanted.name, extra) for wanted in DIRECT if wanted.name != "setuptools" for extra in ("", *wanted.extras)]
+    seen: set[tuple[str, str]] = set()
+    while left:
+        name, extra = left.pop()
+        if (name, extra) in seen:
+            continue
+        seen.add((name, extra))
+        assert canonicalize_name(name) in names, name
+        for text in requires(name) or ():
+            needed = Requirement(text)
+            if needed.marker is None or needed.marker.evaluate({"extra": extra}):
+                left += [(needed.name, more) for more in ("", *needed.extras)]
+
+
+def test_the_makefile_serves_the_pythons_of_the_lock() -> None:
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert "PYTHONS := 3.11 3.12 3.13 3.14" in text
+    assert PROJECT["project"]["requires-python"] == ">=3.11"
