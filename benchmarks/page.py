@@ -7,6 +7,7 @@ from typing import Any
 
 from benchmarks.figures import LADDER, PRECISION, SCALING, drawn
 from benchmarks.tables import Table, tables
+from daq.whole_files import write_whole
 
 Row = dict[str, Any]
 
@@ -87,7 +88,7 @@ Grains only set the number of layers: from 1e5 to 1e10 of them these grow as the
 def write_page(rows: Sequence[Row], folder: Path) -> Path:
     """Write the page; figures are expected in `figures` beside it. Raises OSError."""
     path = folder / PAGE
-    path.write_text(page(rows), encoding="utf-8")
+    write_whole(path, page(rows))
     return path
 
 
