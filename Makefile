@@ -6,7 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint docs dist bench stability slow lock lowest newest clean
+.PHONY: demo test lint docs dist old-hdf5 bench stability slow lock lowest newest clean
 
 demo: $(READY)
 	$(BIN)/rig run protocols/fill_rate.yaml --out sessions/fill_rate --force
@@ -29,6 +29,14 @@ dist: $(READY)
 	rm -rf build/dist && mkdir -p build
 	$(LOCKED) $(BIN)/python -m build --outdir build/dist . > build/dist.log 2>&1 || { cat build/dist.log; exit 1; }
 	$(BIN)/python -m twine check --strict build/dist/*
+
+# The newest h5py whose HDF5 is 1.14, and the numpy of its time, read what today's writes.
+OLD_HDF5 := build/old-hdf5
+old-hdf5: $(READY)
+	$(BIN)/rig run protocols/nulls.yaml --set repeats=1 --set acquire.record=4 --out build/for-old-hdf5 --force >/dev/null || test $$? = 1
+	$(BIN)/python -m venv $(OLD_HDF5)
+	$(OLD_HDF5)/bin/pip install --quiet --disable-pip-version-check --only-binary :all: 'h5py>=3.11,<3.16' 'numpy<2.4'
+	$(OLD_HDF5)/bin/python tests/daq/read_with_old_hdf5.py tests/data/session-v1.h5 build/for-old-hdf5/session.h5
 
 bench: $(READY)
 	$(BIN)/rig bench

@@ -105,6 +105,23 @@ def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mappi
         raise AnalysisError(f"{run.name}: {error}") from error
 
 
+def window_range(record: Record, run: RunFacts) -> tuple[float, float]:
+    """Return the first sample of the whole cycles that count, and one past the last.
+
+    Fractional where a cycle has no whole number of samples. Where there are no such cycles (a sweep, a loop-back, a
+    record cut short), all that follows the settling.
+    """
+    setting = Setting.of(record.conditions[run.condition])
+    settled = min(setting.settle_cycles * run.rate / setting.frequency, run.samples / 2)
+    if setting.sweep_to is not None or setting.bed == LOOP_BACK:
+        return settled, float(run.samples)
+    try:
+        window = _window(run, setting, _channel(record, FORCE), record.scalars(run.name))
+    except AnalysisError:
+        return settled, float(run.samples)
+    return window.start, window.start + window.cycles * window.grid.period
+
+
 def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
     """The window, or where gaps are tolerated its whole cycles on either side of every broken block: nothing is ever
     joined over one. AnalysisError where none is left."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.figures import MARKERS, ORANGE, SERIES, STYLE, svg
+from daq.whole_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -118,5 +119,5 @@ def _png(figure: "Figure") -> bytes:
 
 
 def _write(path: Path, data: bytes) -> Path:
-    path.write_bytes(data)
+    write_whole(path, data)
     return path

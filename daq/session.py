@@ -67,6 +67,7 @@ class Recorder:
         lock = _locked(final)
         part = final.with_name(final.name + ".part")
         try:
+            part.unlink(missing_ok=True)  # a left-over, or a link that leads to another file
             reserve(part, sum(4 * run.samples * len(plan.channels) for run in plan.runs))
             file = open_file(part, "w")
             try:

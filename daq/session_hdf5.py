@@ -42,12 +42,17 @@ FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER
 LARGEST_PACKING = 1100  # times that gzip makes zeros smaller, at most
 CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
 IN_HEADER = 64  # attributes of a group that are kept in its header
+FORMAT = ("v110", "v110")
 SCALAR = h5s.create(h5s.SCALAR)
 
 
 def open_file(path: Path, mode: str) -> Any:
-    """Open an HDF5 file (h5py.File) for writing in the newest format, which the single-writer mode needs."""
-    return h5py.File(path, mode, libver="latest", rdcc_nbytes=CHUNK_CACHE)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+    """Open an HDF5 file (h5py.File) for writing, in the format of HDF5 1.10.
+
+    1.10 is the oldest format with the single-writer mode. What is newer, HDF5 before 2.0 cannot read: it refuses
+    the datatype messages of "latest".
+    """
+    return h5py.File(path, mode, libver=FORMAT, rdcc_nbytes=CHUNK_CACHE)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def open_for_reading(path: Path) -> Any:

@@ -13,7 +13,9 @@ __all__ = ["write_report"]
 def write_report(
     report: dict[str, Any], out_dir: Path | str, figures: bool = True, png: bool = False
 ) -> tuple[Path, ...]:
-    """Write report.json, report.csv, report.md and report.html into out_dir (made where missing); returns the paths.
+    """Write report.csv, report.md, report.html and report.json into out_dir (made where missing); return the paths.
+
+    Every file is whole or the old one; report.json is the last to be replaced.
 
     figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as well. Equal reports
     give equal bytes: no date, path or machine is in them.
@@ -22,26 +24,19 @@ def write_report(
     from analysis.report.html import html_text
     from analysis.report.markdown import markdown_text
     from analysis.report.sections import sections
+    from daq.whole_files import write_folder
 
     parts = sections(report, figures)
-    texts = {
-        "report.json": json.dumps(report, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+    plots = [plot for part in parts for plot in part.plots]
+    files: dict[str, str | bytes] = {
         "report.csv": csv_text(report),
         "report.md": markdown_text(report, parts),
         "report.html": html_text(report, parts),
-        **{f"figures/{plot.name}.svg": plot.svg for part in parts for plot in part.plots},
+        **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
+        **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
+        "report.json": json.dumps(report, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
     }
-    folder = Path(out_dir)
-    written = []
-    for name, text in texts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-        written.append(path)
-    for plot in (plot for part in parts for plot in part.plots if png):
-        written.append(folder / "figures" / f"{plot.name}.png")
-        written[-1].write_bytes(_png(plot))
-    return tuple(written)
+    return write_folder(Path(out_dir), files)
 
 
 def _png(plot: "Plot") -> bytes:

@@ -14,6 +14,7 @@ from analysis.report.html import page
 from analysis.report.markdown import plain, section_texts
 from analysis.report.sections import Section
 from analysis.words import counted
+from daq.whole_files import write_folder
 
 __all__ = ["comparison_sentences", "write_comparison"]
 
@@ -33,19 +34,14 @@ def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
             f"<h2>Finding</h2><p class='result'>{escape(told[1])}</p>",
             *(f"<p>{escape(text)}</p>" for text in told[2:]), "</section>"]  # fmt: skip
     lines = [f"# {plain(name)}", *map(plain, told), *section_texts(parts)]
-    texts = {
-        "comparison.json": json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+    files: dict[str, str | bytes] = {
         "comparison.csv": _csv(found),
         "comparison.md": "\n\n".join(lines) + "\n",
         "comparison.html": page(f"{name}: comparison", head, parts),
         **{f"figures/{plot.name}.svg": plot.svg for part in parts for plot in part.plots},
+        "comparison.json": json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
     }
-    written = []
-    for file, text in texts.items():
-        written.append(out_dir / file)
-        written[-1].parent.mkdir(parents=True, exist_ok=True)
-        written[-1].write_text(text, encoding="utf-8", newline="\n")
-    return tuple(written)
+    return write_folder(out_dir, files)
 
 
 def comparison_sentences(found: Found) -> tuple[str, ...]:

@@ -5,14 +5,15 @@ the exact rate stands in ID line 3.
 """
 
 import io
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 import numpy.typing as npt
 
 from daq.formats.wave import Spectrum, Wave
+from daq.whole_files import whole_file
 
 __all__ = ["write_uff58"]
 
@@ -27,27 +28,30 @@ Axis = tuple[int, str, str]
 
 def write_uff58(path: Path, title: str, waves: Sequence[Wave], spectra: Iterable[Spectrum] = ()) -> None:
     """Write time responses (type 1), one dataset per wave, then frequency responses (type 4). Raises OSError."""
-    text = io.StringIO()
+    with whole_file(path) as file:
+        text = io.TextIOWrapper(file, encoding="ascii", errors="replace", newline="\n", write_through=True)
+        _write(text, title, waves, spectra)
+        text.detach()
+
+
+def _write(text: TextIO, title: str, waves: Sequence[Wave], spectra: Iterable[Spectrum]) -> None:
     for node, wave in enumerate(waves, start=1):
         _time(text, title, wave, node)
     nodes = {wave.name: (node, wave) for node, wave in enumerate(waves, start=1)}
     for spectrum in spectra:
         (response_node, response), (reference_node, reference) = nodes[spectrum.response], nodes[spectrum.reference]
         _response(text, title, spectrum, (response_node, response), (reference_node, reference))
-    part = path.with_name(path.name + ".part")
-    part.write_text(text.getvalue(), encoding="ascii", errors="replace", newline="\n")
-    os.replace(part, path)
 
 
-def _time(text: io.StringIO, title: str, wave: Wave, node: int) -> None:
+def _time(text: TextIO, title: str, wave: Wave, node: int) -> None:
     axes = ((SECONDS, "Time", "s"), (KINDS.get(wave.quantity, 0), wave.name, wave.unit), EMPTY_AXIS, EMPTY_AXIS)
     ids = (wave.name, title, f"rate {wave.rate!r} Hz", wave.start or "NONE", f"unit {wave.unit}")
     freedom = f"{_word(wave.name):>10}{node:10d}{_direction(wave):4d} {'NONE':>10}{0:10d}{0:4d}"
-    _dataset(text, TIME, ids, freedom, REAL_DOUBLE, wave.samples.size, 0.0, 1 / wave.rate, axes, wave.samples)
+    _dataset(text, TIME, ids, freedom, REAL_DOUBLE, wave.signal.size, 0.0, 1 / wave.rate, axes, wave.signal.chunks())
 
 
 def _response(
-    text: io.StringIO, title: str, spectrum: Spectrum, response: tuple[int, Wave], reference: tuple[int, Wave]
+    text: TextIO, title: str, spectrum: Spectrum, response: tuple[int, Wave], reference: tuple[int, Wave]
 ) -> None:
     over, under = response[1], reference[1]
     axes = (
@@ -62,14 +66,14 @@ def _response(
         f"{_word(over.name):>10}{response[0]:10d}{_direction(over):4d} "
         f"{_word(under.name):>10}{reference[0]:10d}{_direction(under):4d}"
     )
-    pairs = np.ascontiguousarray(spectrum.values).view(np.float64)
+    pairs = [np.ascontiguousarray(spectrum.values).view(np.float64)]
     count, step = spectrum.values.size, spectrum.step
     _dataset(text, FREQUENCY_RESPONSE, ids, freedom, COMPLEX_DOUBLE, count, step, step, axes, pairs)
 
 
 def _dataset(
-    text: io.StringIO, kind: int, ids: Sequence[str], freedom: str, ordinate: int, count: int, first: float,
-    step: float, axes: Sequence[Axis], values: npt.NDArray[np.float64],
+    text: TextIO, kind: int, ids: Sequence[str], freedom: str, ordinate: int, count: int, first: float,
+    step: float, axes: Sequence[Axis], values: Iterable[npt.NDArray[np.float64]],
 ) -> None:  # fmt: skip
     text.write(f"{-1:6d}\n{58:6d}{'':74}\n")
     for line in ids:
@@ -78,10 +82,11 @@ def _dataset(
     text.write(f"{ordinate:10d}{count:10d}{1:10d}{first:13.5e}{step:13.5e}{0.0:13.5e}\n")
     for number, label, unit in axes:
         text.write(f"{number:10d}{0:5d}{0:5d}{0:5d} {label[:20]:20} {unit[:20]:20}\n")
-    whole = values.size - values.size % 4
-    np.savetxt(text, values[:whole].reshape(-1, 4), fmt="%20.12e", delimiter="")
-    if whole < values.size:
-        np.savetxt(text, values[whole:].reshape(1, -1), fmt="%20.12e", delimiter="")
+    for chunk in values:  # each but the last is a multiple of four long
+        whole = chunk.size - chunk.size % 4
+        np.savetxt(text, chunk[:whole].reshape(-1, 4), fmt="%20.12e", delimiter="")
+        if whole < chunk.size:
+            np.savetxt(text, chunk[whole:].reshape(1, -1), fmt="%20.12e", delimiter="")
     text.write(f"{-1:6d}\n")
 
 

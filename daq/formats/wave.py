@@ -1,13 +1,18 @@
 """What crosses the border between a session and other tools' files: a signal in engineering units, a line spectrum."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from daq.session_record import Record
 
-__all__ = ["FormatError", "MissingReader", "Spectrum", "Wave", "waves_of"]
+__all__ = ["CHUNK", "FormatError", "MissingReader", "RecordedSignal", "Samples", "Spectrum", "Wave"]
+
+CHUNK = 65536
+"""Samples that are held at a time; a multiple of the four numbers in a line of UFF58."""
 
 
 class FormatError(Exception):
@@ -21,6 +26,42 @@ class MissingReader(FormatError):
         super().__init__(f"reading {kind} needs the package {package}: pip install 'particle-damper-rig[formats]'")
 
 
+class Samples(Protocol):
+    """Samples of one channel, read in order."""
+
+    @property
+    def size(self) -> int: ...
+    def chunks(self, length: int = CHUNK) -> Iterator[npt.NDArray[np.float64]]: ...
+    def samples(self) -> npt.NDArray[np.float64]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedSignal:
+    """A channel of a recorded run as the codes have it: engineering units by the certified sensitivity, no more."""
+
+    record: Record
+    run: str
+    name: str
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.record.run(self.run).samples
+
+    def read(self, start: int, stop: int) -> npt.NDArray[np.float64]:
+        """Return samples start..stop."""
+        return np.asarray(self.record.signal(self.run, self.name, start, stop).samples)
+
+    def chunks(self, length: int = CHUNK) -> Iterator[npt.NDArray[np.float64]]:
+        """Yield the samples in order, at most `length` at a time."""
+        for start in range(0, self.size, length):
+            yield self.read(start, min(start + length, self.size))
+
+    def samples(self) -> npt.NDArray[np.float64]:
+        """Return all of them at once."""
+        return self.read(0, self.size)
+
+
 @dataclass(frozen=True, eq=False)
 class Wave:
     """Evenly sampled values of one channel. rate: Hz; start: ISO 8601, "" where it is not known."""
@@ -28,10 +69,15 @@ class Wave:
     name: str
     quantity: str
     unit: str
-    samples: npt.NDArray[np.float64]
+    signal: Samples
     rate: float
     start: str = ""
     direction: str = ""
+
+    @property
+    def samples(self) -> npt.NDArray[np.float64]:
+        """All samples at once."""
+        return self.signal.samples()
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,15 +89,3 @@ class Spectrum:
     unit: str
     values: npt.NDArray[np.complex128]
     step: float
-
-
-def waves_of(record: Record, run: str) -> tuple[Wave, ...]:
-    """All channels of a run in engineering units (certified sensitivities), in the order of the channel table."""
-    info = record.run(run)
-    waves = []
-    for channel in record.channels.values():
-        signal = record.signal(run, channel.name)
-        waves.append(
-            Wave(channel.name, channel.quantity, channel.unit, signal.samples, info.rate, info.t0, channel.direction)
-        )
-    return tuple(waves)

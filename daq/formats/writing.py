@@ -1,16 +1,16 @@
-"""A run of a session as other tools like it: CSV with a JSON beside it, SEP-005, MATLAB."""
+"""A run of a session as other tools like it: CSV, SEP-005, MATLAB."""
 
 import csv
 import io
 import json
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from daq.formats.wave import Wave
+from daq.whole_files import whole_file
 
 __all__ = ["sep005", "write_csv", "write_mat", "write_sep005"]
 
@@ -18,17 +18,17 @@ QUANTITIES = {"force": "f", "acceleration": "a"}
 """SEP-005's letters."""
 
 
-def write_csv(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
-    """A column per channel, 17 digits (they read back to the same numbers), no time column: rate, start and all other
-    facts stand in the JSON file of the same name. Raises OSError."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow([f"{wave.name} [{wave.unit}]" for wave in waves])
-    np.savetxt(text, np.stack([wave.samples for wave in waves], axis=1), fmt="%.17g", delimiter=",")
-    _whole(path, lambda part: part.write_text(text.getvalue(), encoding="utf-8", newline="\n"))
-    channels = [{name: value for name, value in _facts(wave).items() if name != "data"} for wave in waves]
-    document = {**facts, "rate": waves[0].rate, "start": waves[0].start, "channels": channels}
-    told = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    _whole(path.with_suffix(".json"), lambda part: part.write_text(told, encoding="utf-8", newline="\n"))
+def write_csv(path: Path, waves: Sequence[Wave]) -> None:
+    """Write a column per channel with 17 digits, which read back to the same numbers, chunk by chunk.
+
+    There is no time column: rate, start and all other facts stand in the file beside it. Raises OSError.
+    """
+    head = io.StringIO()
+    csv.writer(head, lineterminator="\n").writerow([f"{wave.name} [{wave.unit}]" for wave in waves])
+    with whole_file(path) as file:
+        file.write(head.getvalue().encode())
+        for chunks in zip(*(wave.signal.chunks() for wave in waves), strict=True):
+            np.savetxt(file, np.stack(chunks, axis=1), fmt="%.17g", delimiter=",")
 
 
 def sep005(waves: Sequence[Wave]) -> list[dict[str, Any]]:
@@ -44,7 +44,8 @@ def write_sep005(path: Path, waves: Sequence[Wave]) -> None:
     entries = sep005(waves)
     arrays = {f"data_{number}": entry.pop("data") for number, entry in enumerate(entries)}
     told = np.array(json.dumps(entries, ensure_ascii=False))
-    _whole(path, lambda part: _save(part, channels=told, **arrays))
+    with whole_file(path) as file:
+        np.savez_compressed(file, channels=told, **arrays)
 
 
 def write_mat(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
@@ -55,11 +56,8 @@ def write_mat(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
     values |= {"fs": waves[0].rate, "start": waves[0].start, "session": json.dumps(facts, ensure_ascii=False)}
     values["units"] = {wave.name: wave.unit for wave in waves}
 
-    def write(part: Path) -> None:
-        with part.open("wb") as file:
-            matlab.savemat(file, values, long_field_names=True, do_compression=True)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
-
-    _whole(path, write)
+    with whole_file(path) as file:
+        matlab.savemat(file, values, long_field_names=True, do_compression=True)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def _facts(wave: Wave) -> dict[str, Any]:
@@ -70,18 +68,3 @@ def _facts(wave: Wave) -> dict[str, Any]:
     if wave.start:
         found["start_timestamp"] = wave.start
     return found
-
-
-def _save(part: Path, **arrays: Any) -> None:
-    with part.open("wb") as file:
-        np.savez_compressed(file, **arrays)
-
-
-def _whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file under a temporary name, so that it is whole or not there."""
-    part = path.with_name(path.name + ".part")
-    try:
-        write(part)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from analysis.figures import SERIES, STYLE, svg
+from daq.whole_files import write_whole
 from rig.benchmarks.tables import SHORT
 
 if TYPE_CHECKING:
@@ -74,8 +75,8 @@ def write_figures(rows: Sequence[Row], folder: Path) -> list[Path]:
         with matplotlib.rc_context(STYLE):
             figure.savefig(data, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
         written += [folder / f"{which.name}.svg", folder / f"{which.name}.png"]
-        written[-2].write_text(text, encoding="utf-8")
-        written[-1].write_bytes(data.getvalue())
+        write_whole(written[-2], text)
+        write_whole(written[-1], data.getvalue())
     return written
 
 

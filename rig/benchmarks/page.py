@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from daq.whole_files import write_whole
 from rig.benchmarks.figures import LADDER, PRECISION, SCALING, drawn
 from rig.benchmarks.tables import Table, tables
 
@@ -88,7 +89,7 @@ Grains only set the number of layers: from 1e5 to 1e10 of them these grow as the
 def write_page(rows: Sequence[Row], folder: Path) -> Path:
     """Write the page; figures are expected in `figures` beside it. Raises OSError."""
     path = folder / PAGE
-    path.write_text(page(rows), encoding="utf-8")
+    write_whole(path, page(rows))
     return path
 
 

@@ -109,7 +109,7 @@ def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes)
     """The session's layout (docs/session-format.md) by h5py's own calls, in single-writer mode."""
     ledger, scalars = _pieces(plan)
     nothing = (np.zeros(len(codes), np.uint16), np.zeros(len(codes), np.uint32))
-    with h5py.File(path, "w", libver="latest") as file:
+    with h5py.File(path, "w", libver=("v110", "v110")) as file:
         _session(file, plan)
         for run in plan.runs:
             _run(file, run, plan)
@@ -190,7 +190,7 @@ def _text(value: str) -> np.bytes_:
 
 def _codes_alone(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes) -> None:
     """No attributes, no tables, no single-writer mode: what a first script does."""
-    with h5py.File(path, "w", libver="latest") as file:
+    with h5py.File(path, "w", libver=("v110", "v110")) as file:
         for run in plan.runs:
             for channel in plan.channels:
                 file.create_dataset(

@@ -1,7 +1,7 @@
 """A laboratory's own records become a session: gate, frequency, whole cycles; the same W_exp, U and report after it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,9 @@ from analysis.runs import AnalysisError
 from analysis.stationary import fundamental, noise_rms
 from daq.block import Block, Flag
 from daq.channel import ChannelInfo
+from daq.formats.sidecar import Sidecar
 from daq.session import Recorder, RunPlan, SessionPlan
+from rig.campaign.exported_records import certificate_of, channel_in, with_certificate
 from rig.campaign.records import Reading, read_record
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
@@ -37,6 +39,7 @@ BLOCK = 16384  # samples
 FULL_SCALE = 2**30  # codes of the largest value: 9e-10 of it is the resolution of what was imported
 SAME_RATE = 1e-6  # relative, between the channels of a record and between records
 SAME_PHASE = 0.02  # cycles by which the runs of one condition may drift apart over a record
+ALL_FLAGS = sum(Flag)
 STUCK = 3  # equal extreme samples in a row: a clipped record
 
 
@@ -100,7 +103,7 @@ def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
         protocol={"name": mapping.name, "question": mapping.question},
         documents={
             **({"prediction": {"conditions": predicted}} if mapping.scene is not None else {}),
-            "rig": {"name": "laboratory", "values": _assumed(mapping)},
+            "rig": {"name": "laboratory", "values": _assumed(mapping, readings)},
             "provenance": provenance(loaded.text, 0, math.fsum(r.force.size / r.rate for r in readings)),
             "import": [
                 {"file": r.source.name, "sha256": r.digest, "frequency": r.frequency, **asdict(r.steady)}
@@ -168,7 +171,7 @@ def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequ
         every = (noise_rms(getattr(r, name)[r.start :], r.rate / r.frequency) for r in readings)
         noise = min(filter(None, every), default=0.0)
     sensitivity = column.sensitivity or 1.0
-    return ChannelInfo(
+    channel = ChannelInfo(
         name=name, quantity=name, unit="N" if name == "force" else "m/s^2", model=column.model, serial=column.serial,
         direction=column.direction, coupling="not stated", range_V=(column.range or largest) * sensitivity,
         scale=largest * sensitivity / FULL_SCALE, offset=0.0, sensitivity=sensitivity,
@@ -178,14 +181,32 @@ def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequ
         calibration_U=ASSUMED_U if column.calibration_U is None else column.calibration_U,
         gain_tolerance=column.gain_tolerance, clock_ppm=0.0, noise_rms=noise, skew_tolerance=column.delay_tolerance,
     )  # fmt: skip
+    certificate = _certificate(column, readings)
+    if certificate is None:
+        return channel
+    corrected = readings[0].sidecar is not None and readings[0].sidecar.corrected
+    return with_certificate(channel, column, certificate, corrected, readings[0].frequency)
 
 
-def _assumed(mapping: RecordMap) -> list[dict[str, Any]]:
+def _certificate(column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]) -> Mapping[str, Any] | None:
+    """Return what the files beside the records say of a channel; InputError where they differ among themselves."""
+    first, *others = readings
+    certificate = certificate_of(first.sidecar, column)
+    for other in others:
+        same_kind = (other.sidecar and other.sidecar.corrected) == (first.sidecar and first.sidecar.corrected)
+        if not same_kind or certificate_of(other.sidecar, column) != certificate:
+            found = f"{first.source.name} and {other.source.name}, whose files of rig export say different things"
+            raise InputError(Mistake("FILE", "", found, "records of one session, all corrected or all raw"))
+    return certificate
+
+
+def _assumed(mapping: RecordMap, readings: Sequence[Reading]) -> list[dict[str, Any]]:
     """What the mapping does not say and the uncertainty needs."""
     return [
         {"path": f"{name}.calibration_U", "value": ASSUMED_U, "unit": "", "status": "assumed",
          "source": "a usual certificate's, k = 2: the mapping states none"}
-        for name, column in _columns(mapping) if column.calibration_U is None
+        for name, column in _columns(mapping)
+        if column.calibration_U is None and _certificate(column, readings) is None
     ]  # fmt: skip
 
 
@@ -203,8 +224,22 @@ def _record(
         high, low = (clipped[:, part] & (codes[:, part] * sign > 0) for sign in (1, -1))
         flags = (Flag.OVERLOAD_HI * high.any(axis=1) + Flag.OVERLOAD_LO * low.any(axis=1)).astype(np.uint16)
         count = clipped[:, part].sum(axis=1).astype(np.uint32)
+        flags |= _told(reading.sidecar, mapping, start, start + codes[:, part].shape[1])
         recorder.append(run, Block(start, codes[:, part], np.asarray(flags), count, False))
     recorder.finish(run, {})
+
+
+def _told(sidecar: Sidecar | None, mapping: RecordMap, start: int, stop: int) -> NDArray[np.uint16]:
+    """Return the quality bits that the file beside a record states for samples start..stop, (channels,)."""
+    found = np.zeros(len(_columns(mapping)), np.uint16)
+    if sidecar is None:
+        return found
+    for number, (_, column) in enumerate(_columns(mapping)):
+        name = channel_in(sidecar, column)
+        for block in sidecar.flags:
+            if name is not None and name in block.flags and block.start < stop and start < block.start + block.count:
+                found[number] |= np.uint16(block.flags[name] & ALL_FLAGS)
+    return found
 
 
 def _clipped(values: Array, limit: float | None) -> NDArray[np.bool_]:

@@ -13,7 +13,9 @@ from analysis.cycles import whole_cycles
 from analysis.runs import AnalysisError
 from analysis.stationary import Steadiness, drive_frequency, steadiness
 from daq.formats.reading import Column, CsvStyle, kind_of, read_columns
+from daq.formats.sidecar import Sidecar
 from daq.formats.wave import FormatError
+from rig.campaign.exported_records import sidecar_for
 from rig.mapping import (
     ACCELERATION_UNITS,
     FORCE_UNITS,
@@ -46,6 +48,7 @@ class Reading:
     cycles: int
     steady: Steadiness
     digest: str
+    sidecar: Sidecar | None = None
 
 
 def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
@@ -64,8 +67,11 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
         bad = np.flatnonzero(~np.isfinite(columns[name].samples))
         if bad.size:
             raise FormatError(f"{file}: {name} is not a number at sample {bad[0]}; a record may have no gap")
+    sidecar = sidecar_for(file, mapping)
     rate = _rate(file, mapping, force, acceleration, columns[names[2]].samples if mapping.time else None)
     start = round((mapping.settle if run.settle is None else run.settle) * rate)
+    if sidecar is not None and run.settle is None and not mapping.settle:
+        start = round(sidecar.window[0])
     stop = force.samples.size if mapping.length is None else start + round(mapping.length * rate)
     part = slice(start, min(stop, force.samples.size))
     F = _scaled(force.samples, mapping.force, FORCE_UNITS)
@@ -80,7 +86,7 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
         raise AnalysisError(f"{file}: {error}") from error
     _gate(file, mapping, frequency, steady)
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest)
+    return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar)
 
 
 def _gate(file: Path, mapping: RecordMap, frequency: float, steady: Steadiness) -> None:

@@ -208,9 +208,13 @@ def export_(
     to: Annotated[str, typer.Option(metavar="FORMAT", help="uff58, csv, sep005-npz or mat.")],
     run: Annotated[str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="PATH", help="Folder; with --run the file.")] = None,
+    raw: Annotated[bool, typer.Option("--raw", help="As recorded: poles and delays are left in.")] = False,
     json: Json = False,
 ) -> None:
-    """Write records for other tools: UFF58 (types 1 and 4), CSV with JSON, SEP-005, MATLAB.
+    """Write records for other tools: UFF58 (types 1 and 4), CSV, SEP-005, MATLAB.
+
+    Poles and delays of the channels are undone, so that W from the file is that of the report. A JSON file beside each
+    tells flags, certificates and where the whole cycles begin; rig import reads it.
 
     Example: rig export sessions/fill_rate --to uff58 --run 3
     """
@@ -219,7 +223,7 @@ def export_(
     go_on_watched(session)
     from rig.cli.exchange import export_session
 
-    export_session(session, to, run, out, json)
+    export_session(session, to, run, out, raw, json)
 
 
 @app.command("import")

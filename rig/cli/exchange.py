@@ -1,15 +1,21 @@
 """`rig export` and `rig import`: other tools' files."""
 
-from collections.abc import Callable, Mapping, Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from analysis.corrected_signal import CorrectedSignal
+from analysis.reading import window_range
+from daq.channel import ChannelInfo
+from daq.formats.sidecar import SCHEMA, sidecar_of
 from daq.formats.uff58 import write_uff58
-from daq.formats.wave import Spectrum, waves_of
+from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
+from daq.whole_files import write_whole
 from rig.cli.output import PASSES, print_json, print_result
 from rig.cli.progress import progress
 from rig.cli.sessions import session_file
@@ -19,8 +25,11 @@ from rig.errors import InputError, Mistake, nearest
 SUFFIXES: Mapping[str, str] = {"uff58": ".uff", "csv": ".csv", "sep005-npz": ".npz", "mat": ".mat"}
 
 
-def export_session(session: Path, to: str, run: str | None, out: Path | None, as_json: bool) -> None:
-    """`rig export`: a file per run in the folder `out`, else in the session's folder `export`; `out` itself for one."""
+def export_session(session: Path, to: str, run: str | None, out: Path | None, raw: bool, as_json: bool) -> None:
+    """`rig export`: a file per run in the folder `out`, else in the session's folder `export`; `out` itself for one.
+
+    raw: the codes' own samples, poles and delays left in.
+    """
     if to not in SUFFIXES:
         raise InputError(Mistake("--to", "", repr(to), ", ".join(SUFFIXES), nearest(to, SUFFIXES)))
     path = session_file(session)
@@ -31,7 +40,7 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, as
             file = out if out is not None and run is not None else (out or path.parent / "export") / info.name
             file = file if out is not None and run is not None else file.with_suffix(SUFFIXES[to])
             file.parent.mkdir(parents=True, exist_ok=True)
-            _writer(to)(file, record, info)
+            _write(file, to, record, info, raw)
             written.append(str(file))
             watch(len(written), len(runs))
     if as_json:
@@ -75,23 +84,83 @@ def _chosen(record: Record, run: str | None) -> list[RunInfo]:
     return complete
 
 
-def _writer(to: str) -> Callable[[Path, Record, RunInfo], None]:
-    def facts(record: Record, info: RunInfo) -> dict[str, Any]:
-        condition = record.conditions[info.condition]
-        return {"run": info.name, "order": info.order, "repeat": info.repeat, "condition": condition}
+def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> None:
+    """Write one run and, beside it, what its format has no place for."""
+    waves = exported_waves(record, info, raw)
+    document = _beside(record, info, raw)
+    if to == "uff58":
+        done = "as recorded" if raw else "poles and delays undone"
+        title = f"{info.name}, condition {info.condition}, repeat {info.repeat}, {done}"
+        write_uff58(path, title, waves, _spectra(record, info))
+    elif to == "csv":
+        write_csv(path, waves)
+    elif to == "mat":
+        write_mat(path, waves, document)
+    else:
+        write_sep005(path, waves)
+    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    write_whole(sidecar_of(path), text)
 
-    def uff58(path: Path, record: Record, info: RunInfo) -> None:
-        waves = waves_of(record, info.name)
-        write_uff58(
-            path, f"{info.name}, condition {info.condition}, repeat {info.repeat}", waves, _spectra(record, info)
-        )
 
+def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]:
+    """Return all channels of a run in engineering units, in the order of the channel table.
+
+    Unless `raw`, poles are undone, and each channel is moved to the time of the first, which is late by a whole number
+    of samples or as many as the analysis allows for.
+    """
+    channels = list(record.channels.values())
+    window = window_range(record, info)
+    reference = _delay(channels[0], info.rate)
+    waves = []
+    for channel in channels:
+        recorded = RecordedSignal(record, info.name, channel.name)
+        signal: Samples = recorded if raw else CorrectedSignal(
+            recorded.read, recorded.size, window, 1 / info.rate, channel.time_constants,
+            _delay(channel, info.rate) - reference,
+        )  # fmt: skip
+        waves.append(Wave(
+            channel.name, channel.quantity, channel.unit, signal, info.rate, info.t0, channel.direction
+        ))  # fmt: skip
+    return tuple(waves)
+
+
+def _delay(channel: ChannelInfo, rate: float) -> float:
+    """Return the time by which a channel's samples are late, s."""
+    return channel.filter_delay / rate - channel.skew
+
+
+def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
+    """Return the document that stands beside an exported record (daq.formats.sidecar)."""
+    names = list(record.channels)
+    first, last = window_range(record, info)
+    condition = record.conditions[info.condition]
+    period = info.rate / condition["frequency"]
+    blocks = record.blocks(info.name)
+    flagged = blocks[(blocks["flags"] != 0).any(axis=1)]
+    reference = _delay(record.channels[names[0]], info.rate)
     return {
-        "uff58": uff58,
-        "csv": lambda path, record, info: write_csv(path, waves_of(record, info.name), facts(record, info)),
-        "mat": lambda path, record, info: write_mat(path, waves_of(record, info.name), facts(record, info)),
-        "sep005-npz": lambda path, record, info: write_sep005(path, waves_of(record, info.name)),
-    }[to]
+        "schema": SCHEMA,
+        "run": info.name, "order": info.order, "repeat": info.repeat, "condition": condition,
+        "corrected": not raw, "rate": info.rate, "start": info.t0,
+        "window": {"start": first, "cycles": round((last - first) / period), "samples_per_cycle": period},
+        "flags": [
+            {"start": int(block["start"]), "count": int(block["count"]),
+             "flags": dict(zip(names, map(int, block["flags"]), strict=True))}
+            for block in flagged
+        ],
+        "channels": {
+            channel.name: {
+                "unit": channel.unit, "model": channel.model, "serial": channel.serial,
+                "direction": channel.direction, "calibration_date": channel.calibration_date,
+                "sensitivity": channel.sensitivity, "calibration_U": channel.calibration_U,
+                "gain_tolerance": channel.gain_tolerance, "time_constants": list(channel.time_constants),
+                "time_constant_spread": channel.time_constant_spread, "corner_tolerance": channel.corner_tolerance,
+                "delay": _delay(channel, info.rate) - reference, "skew_tolerance": channel.skew_tolerance,
+                "noise_rms": channel.noise_rms, "full_scale": channel.full_scale,
+            }
+            for channel in record.channels.values()
+        },
+    }  # fmt: skip
 
 
 def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:

@@ -3,17 +3,15 @@
 import os
 from pathlib import Path
 
+from daq.whole_files import write_whole
 from rig.errors import InputError, Mistake
 
 
 def write_new(path: Path, text: str, overwrite: bool) -> None:
-    """Write a text file through a temporary one; InputError where it exists, unless it may be replaced."""
-    if path.exists() and not overwrite:
+    """Write a text file, whole or not at all; InputError where it exists, unless it may be replaced."""
+    if os.path.lexists(path) and not overwrite:
         raise InputError(Mistake(str(path), "", "a file that exists", "a new path, or --force to replace it"))
-    part = path.with_name(path.name + ".part")
     try:
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
+        write_whole(path, text)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise InputError(Mistake(str(path), "", f"no way to write it ({error.strerror})", "a writable path")) from None

@@ -202,13 +202,13 @@ def test_the_files_hold_the_same_numbers_in_equal_bytes(tmp_path):
     first = write_comparison(found, tmp_path / "a")
     second = write_comparison(copy.deepcopy(found), tmp_path / "b")
     assert [path.name for path in first] == [
-        "comparison.json", "comparison.csv", "comparison.md", "comparison.html", "comparison.svg",
+        "comparison.csv", "comparison.md", "comparison.html", "comparison.svg", "comparison.json",
     ]  # fmt: skip
     assert all(x.read_bytes() == y.read_bytes() for x, y in zip(first, second, strict=True))
-    assert json.loads(first[0].read_text(encoding="utf-8")) == found
+    assert json.loads(first[-1].read_text(encoding="utf-8")) == found
     for sentence in comparison_sentences(found)[1:2]:
         assert "10.0 % ±" in sentence
-        assert sentence in first[3].read_text(encoding="utf-8")
+        assert sentence in first[2].read_text(encoding="utf-8")
 
 
 def test_nothing_in_common_is_said(tmp_path):

@@ -103,7 +103,7 @@ def structure(source: Path, target: Path, rng: random.Random) -> None:
 def _content(change: Callable[[h5py.File, random.Random], None]) -> Callable[[Path, Path, random.Random], None]:
     def write(source: Path, target: Path, rng: random.Random) -> None:
         shutil.copy(source, target)
-        with h5py.File(target, "r+", libver="latest") as file:
+        with h5py.File(target, "r+", libver=("v110", "v110")) as file:
             change(file, rng)
 
     return write

@@ -1,0 +1,87 @@
+"""The file beside an exported record: what UFF58, CSV and the like have no place for.
+
+`run_0001.json` beside `run_0001.uff`: which run it was, whether poles and delays are undone in the samples, where the
+whole cycles begin, the quality flags, and the certificate of each channel. Our import reads it.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from daq.formats.wave import FormatError
+from daq.shapes import Each, Keys, List, Number, Shape, Text, YesNo, deviations
+
+__all__ = ["SCHEMA", "FlaggedBlock", "Sidecar", "read_sidecar", "sidecar_of"]
+
+SCHEMA = "rig/export/1"
+LARGEST_FILE = 2**26  # bytes
+COUNT = Number(0, 1e12, whole=True)
+CERTIFICATE: dict[str, Shape] = {
+    "unit": Text(), "model": Text(), "serial": Text(), "direction": Text(), "calibration_date": Text(),
+    "sensitivity": Number(), "calibration_U": Number(0, 1), "gain_tolerance": Number(0, 1),
+    "time_constants": List(Number(0, 1e9, above=True)), "time_constant_spread": Number(0, 1),
+    "corner_tolerance": Number(0, 1), "delay": Number(-1e9, 1e9), "skew_tolerance": Number(0, 1),
+    "noise_rms": Number(0, 1e12), "full_scale": Number(0),
+}  # fmt: skip
+SHAPE = Keys({
+    "schema": Text((SCHEMA,)), "run": Text(), "order": COUNT, "repeat": COUNT,
+    "corrected": YesNo(), "rate": Number(0, 1e9, above=True), "start": Text(),
+    "window": Keys({"start": Number(0, 1e12), "cycles": COUNT, "samples_per_cycle": Number(0, 1e12)}),
+    "flags": List(Keys({"start": COUNT, "count": COUNT, "flags": Each(COUNT)})),
+    "channels": Each(Keys(CERTIFICATE)),
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FlaggedBlock:
+    """Samples start..start + count of a record whose quality bits (daq.block.Flag) are set, by channel."""
+
+    start: int
+    count: int
+    flags: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """What stands beside an exported record.
+
+    corrected: poles and delays are undone in the samples. window: first sample of the whole cycles that count
+    (fractional where a cycle has no whole number of samples), their number, samples per cycle. channels: certificates.
+    """
+
+    corrected: bool
+    window: tuple[float, int, float]
+    flags: tuple[FlaggedBlock, ...]
+    channels: Mapping[str, Mapping[str, Any]]
+
+
+def sidecar_of(path: Path) -> Path:
+    """Return the path of the file that stands beside an exported record."""
+    return path.with_suffix(".json")
+
+
+def read_sidecar(path: Path) -> Sidecar | None:
+    """Return what stands beside the record `path`; None where there is nothing of ours.
+
+    Raises FormatError where the file is one of ours and is not as `rig export` writes it.
+    """
+    beside = sidecar_of(path)
+    if not beside.is_file() or beside.stat().st_size > LARGEST_FILE:
+        return None
+    try:
+        document = json.loads(beside.read_text(encoding="utf-8"))
+    except (ValueError, OSError, RecursionError):
+        return None
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        return None
+    for sentence in deviations(document, SHAPE):
+        raise FormatError(f"{beside}: {sentence}")
+    window = document["window"]
+    return Sidecar(
+        document["corrected"],
+        (window["start"], int(window["cycles"]), window["samples_per_cycle"]),
+        tuple(FlaggedBlock(block["start"], block["count"], block["flags"]) for block in document["flags"]),
+        document["channels"],
+    )

@@ -1,0 +1,84 @@
+"""Write files whole or not at all: beside their place under a random name, then moved there.
+
+A full disk or a kill leaves the old file. What stands in the place is replaced and never written through, so that a
+symbolic link in a folder received from somebody else keeps its target as it was.
+"""
+
+import os
+import secrets
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+__all__ = ["whole_file", "write_folder", "write_whole"]
+
+NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """Open a file for writing bytes that takes the place of `path` when the block ends well. Raises OSError."""
+    part = _part_of(path)
+    with _removed_on_failure([part]):
+        with _create(part) as file:
+            yield file
+        os.replace(part, path)
+
+
+def write_whole(path: Path, data: str | bytes) -> None:
+    """Write text (UTF-8, lines as they are) or bytes to `path`, whole or not at all. Raises OSError."""
+    with whole_file(path) as file:
+        file.write(_encoded(data))
+
+
+def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
+    """Write files into a folder, made where missing, and return their paths.
+
+    contents: relative path -> text or bytes. All are written beside their places before the first is moved, in the
+    order given: a full disk leaves every old file, and a kill while they are moved leaves the last one old. Raises
+    OSError, also where a folder inside `folder` is a symbolic link, which could lead anywhere.
+    """
+    parts: dict[Path, Path] = {}
+    with _removed_on_failure(parts):
+        for name, data in contents.items():
+            path = folder / name
+            _make_parents(folder, path)
+            part = _part_of(path)
+            parts[part] = path
+            with _create(part) as file:
+                file.write(_encoded(data))
+        for part, path in parts.items():
+            os.replace(part, path)
+    return tuple(parts.values())
+
+
+def _make_parents(folder: Path, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for parent in path.parents:
+        if parent == folder:
+            return
+        if parent.is_symlink():
+            raise FileExistsError(f"{parent} is a symbolic link; the files would be written elsewhere")
+
+
+def _part_of(path: Path) -> Path:
+    return path.with_name(f".{path.name[:200]}.{secrets.token_hex(6)}.part")
+
+
+def _create(part: Path) -> BinaryIO:
+    return os.fdopen(os.open(part, NEW_ONLY, 0o666), "wb")
+
+
+def _encoded(data: str | bytes) -> bytes:
+    return data.encode("utf-8") if isinstance(data, str) else data
+
+
+@contextmanager
+def _removed_on_failure(parts: Mapping[Path, Path] | list[Path]) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        for part in parts:
+            part.unlink(missing_ok=True)
+        raise
