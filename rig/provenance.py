@@ -1,6 +1,7 @@
 """Where a session comes from: versions, seeds, platform, command line."""
 
 import hashlib
+import importlib
 import os
 import platform
 import subprocess
@@ -55,8 +56,7 @@ def _making() -> dict[str, Any]:
 def cpu() -> dict[str, str]:
     """Return what of the processor the numbers hang on: kernels and numpy choose their instructions by it, and with
     them the order of sums (docs/conventions.md); and what the environment says of both."""
-    from llvmlite import binding
-
+    binding: Any = importlib.import_module("llvmlite.binding")  # untyped; heavy
     features = binding.get_host_cpu_features()
     return {
         "name": binding.get_host_cpu_name(),

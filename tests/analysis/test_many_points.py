@@ -1,5 +1,7 @@
 """Large sessions: figures and tables stay such that a browser opens them."""
 
+from itertools import pairwise
+
 from analysis.report.cells import Cell, Table
 from analysis.report.drawing import MOST_POINTS, thinned, thinned_words
 from analysis.report.html import MANY, page
@@ -10,7 +12,7 @@ def test_thinned_points_are_bounded_even_and_told() -> None:
     for count in (1, MOST_POINTS, MOST_POINTS + 1, 7999):
         found = thinned(range(count))
         assert len(found) <= MOST_POINTS
-        assert len({b - a for a, b in zip(found, found[1:], strict=False)}) <= 1
+        assert len({b - a for a, b in pairwise(found)}) <= 1
         assert bool(thinned_words(len(found), count)) == (count > MOST_POINTS)
 
 
