@@ -104,7 +104,7 @@ def _root(parts: Sequence[Part]) -> float:
     return math.sqrt(math.fsum(u * u for u, _ in parts))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=2**17)
 def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
     """k of two groups by Newton's method; from below, because the probability is concave in k."""
     from scipy.special import ndtr

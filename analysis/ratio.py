@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.conditions import Result
 from analysis.estimate import Estimate
 from analysis.recorded import Recorded
-from analysis.straight_line import fitted
+from analysis.straight_line import Errors, fitted
 from analysis.uncertainty import RESOLUTION, SCATTER, combine, own_parts
 
 __all__ = ["Fit", "energy_ratio", "line_through", "propagated", "recorded_ratio"]
@@ -88,9 +88,8 @@ def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
     x, y = np.array([w for _, w in told]), np.array([r.W_exp.value for r, _ in told])
     if np.ptp(x) <= RESOLUTION * x.max():
         return None
-    V_x, V_y, V_xy = _covariances([r for r, _ in told], x, y)
     try:
-        found = fitted(x, y, V_x, V_y, V_xy, origin)
+        found = fitted(x, y, _errors([r for r, _ in told], x, y), origin)
     except (ValueError, np.linalg.LinAlgError):
         return None
     rows = list(zip((r for r, _ in told), found.to_y, found.offset_to_y, strict=True))
@@ -102,31 +101,26 @@ def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
     )
 
 
-def _covariances(results: Sequence[Result], x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Covariances of the W_T (x), of the W_exp (y) and of the first with the second; J^2."""
+def _errors(results: Sequence[Result], x: Array, y: Array) -> Errors:
+    """Errors of the W_T (x) and of the W_exp (y); J."""
     expected = y.sum() / x.sum() * x
-    V_x, V_y, V_xy = np.zeros((3, x.size, x.size))
-    common: dict[str, Array] = defaultdict(lambda: np.zeros((2, x.size)))
-    for i, result in enumerate(results):
-        V_y[i, i] += (RESOLUTION * expected[i]) ** 2
-        for line in result.lines:
-            parts = np.array([line.part_T, line.part * expected[i] / y[i]])
-            if line.shared:
-                common[line.source][:, i] += parts
-            elif line.source != SCATTER:
-                V_x[i, i] += parts[0] ** 2
-                V_y[i, i] += parts[1] ** 2
-                V_xy[i, i] += parts[0] * parts[1]
-    for of_x, of_y in common.values():
-        V_x += np.outer(of_x, of_x)
-        V_y += np.outer(of_y, of_y)
-        V_xy += np.outer(of_x, of_y)
     relative = _pooled(results)
     runs = np.array([len(result.runs) for result in results])
-    V_x += np.diag(relative[0, 0] * x * x / runs)
-    V_y += np.diag(relative[1, 1] * expected * expected / runs)
-    V_xy += np.diag(relative[0, 1] * x * expected / runs)
-    return V_x, V_y, V_xy
+    own_x = relative[0, 0] * x * x / runs
+    own_y = relative[1, 1] * expected * expected / runs + (RESOLUTION * expected) ** 2
+    own_xy = relative[0, 1] * x * expected / runs
+    common: dict[str, Array] = defaultdict(lambda: np.zeros((2, x.size)))
+    for i, result in enumerate(results):
+        for line in result.lines:
+            part_x, part_y = line.part_T, line.part * expected[i] / y[i]
+            if line.shared:
+                common[line.source][:, i] += part_x, part_y
+            elif line.source != SCATTER:
+                own_x[i] += part_x**2
+                own_y[i] += part_y**2
+                own_xy[i] += part_x * part_y
+    of_x, of_y = np.array(list(common.values())).reshape(-1, 2, x.size).transpose(1, 2, 0)
+    return Errors(own_x, own_y, own_xy, of_x, of_y)
 
 
 def _pooled(results: Sequence[Result]) -> Array:

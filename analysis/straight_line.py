@@ -1,8 +1,9 @@
 """Straight line through points with errors in both coordinates, any of them correlated.
 
-Generalised least squares with a full covariance matrix, the problem of ISO/TS 28037:2010 clause 10; for points that are
-independent of each other it is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and ODRPACK takes no
-covariance between points, which is what instruments that all conditions share make.
+Generalised least squares, the problem of ISO/TS 28037:2010 clause 10; for points that are independent of each other it
+is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and ODRPACK takes no covariance between points, which
+is what instruments that all conditions share make. That covariance is of low rank, so that no matrix of points by
+points is ever made: time and memory grow as their number.
 """
 
 import math
@@ -11,13 +12,63 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["StraightLine", "fitted"]
+__all__ = ["Errors", "StraightLine", "fitted"]
 
 Array = NDArray[np.float64]
 
 STEPS = 200
 ENOUGH = 1e-12  # relative change of the slope at which a step ends the search
 ROUNDED = 1e-6  # below it a change that is no smaller than the last one is round-off (of the inverses), and ends it too
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors of m points: what each has of its own, and what r sources make in all of them.
+
+    own_x, own_y, own_xy: variances of x and of y and their covariance, (m,). common_x, common_y: what one standard
+    deviation of each source does to x and to y, (m, r).
+    """
+
+    own_x: Array
+    own_y: Array
+    own_xy: Array
+    common_x: Array
+    common_y: Array
+
+    def x_with(self, slope: float, dual: Array) -> Array:
+        """Covariance of x with y - slope x, (m, m), times `dual`, (m,)."""
+        common = self.common_x @ ((self.common_y - slope * self.common_x).T @ dual)
+        return np.asarray((self.own_xy - slope * self.own_x) * dual + common)
+
+
+class Weight:
+    """The inverse of the covariance of y - slope x.
+
+    That covariance is R (1 + B B^T) R with R diagonal and B of low rank; with the singular values s of B and its left
+    vectors Q the inverse is R^-1 (1 - Q Q^T + Q (1 + s^2)^-1 Q^T) R^-1 (Woodbury's, in the form that does not cancel:
+    an error in common can be hundreds of times a point's own).
+    """
+
+    def __init__(self, errors: Errors, slope: float) -> None:
+        variance = errors.own_y - 2 * slope * errors.own_xy + slope**2 * errors.own_x
+        if not np.all(variance > 0):
+            raise ValueError("a point has no error of its own: the covariance is not positive definite")
+        self._root = np.sqrt(variance)[:, None]
+        common = (errors.common_y - slope * errors.common_x) / self._root
+        self._Q, s, _ = np.linalg.svd(common, full_matrices=False)
+        self._shrink = 1 / np.sqrt(1 + s**2)[:, None]
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns, (m, n), as (m + r, n) whose products are those with the inverse between them."""
+        scaled = columns / self._root
+        along = self._Q.T @ scaled
+        return np.concatenate([scaled - self._Q @ along, self._shrink * along])
+
+    def dual(self, whitened: Array) -> Array:
+        """The inverse times the columns that `whitened` gave this for, (m, n)."""
+        m = len(self._root)
+        apart = whitened[:m]
+        return np.asarray((apart + self._Q @ (self._shrink * whitened[m:])) / self._root)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,30 +89,32 @@ class StraightLine:
     dof: int
 
 
-def fitted(x: Array, y: Array, V_x: Array, V_y: Array, V_xy: Array, origin: bool = False) -> StraightLine:
-    """The line through points x, y, (m,), with covariances V_x of the x, V_y of the y and V_xy of x (rows) with y.
+def fitted(x: Array, y: Array, errors: Errors, origin: bool = False) -> StraightLine:
+    """The line through points x, y, (m,).
 
-    origin: lead it through the origin. ValueError for fewer points than the line has parameters, or a covariance of
-    y - slope x that is not positive definite.
+    origin: lead it through the origin. ValueError for fewer points than the line has parameters, or a point without an
+    error of its own.
     """
     m, count = len(x), 1 if origin else 2
     if m < count:
         raise ValueError(f"{m} points do not tell a line with {count} parameters")
     slope, intercept = float(y @ x / (x @ x)) if origin else float(np.polyfit(x, y, 1)[0]), 0.0
     last = math.inf
+    ones = np.ones((m, 1))
     for _ in range(STEPS):
-        # of y - slope x, and how much of that residual is x's own error: x less that is where the point lies
-        V = V_y - slope * (V_xy + V_xy.T) + slope**2 * V_x
-        weight = _inverse(V)
+        weight = Weight(errors, slope)
+        rest = weight.whitened((y - slope * x)[:, None])
+        level = weight.whitened(ones)
         if not origin:  # the intercept that belongs to this slope
-            ones = weight.sum(axis=0)
-            intercept = float(ones @ (y - slope * x) / ones.sum())
-        residual = y - slope * x - intercept
-        at = x - (V_xy - slope * V_x) @ weight @ residual
-        design = at[:, None] if origin else np.stack([at, np.ones(m)], axis=1)
-        covariance = np.asarray(np.linalg.inv(design.T @ weight @ design), dtype=np.float64)
-        to_y = covariance @ design.T @ weight
-        change = float(to_y[0] @ residual)
+            intercept = float((level.T @ rest).item() / (level.T @ level).item())
+            rest -= intercept * level
+        # x less how much of the residual is x's own error: where the point lies
+        at = x - errors.x_with(slope, weight.dual(rest)[:, 0])
+        on_line = weight.whitened(at[:, None])
+        design = on_line if origin else np.hstack([on_line, level])
+        covariance = np.asarray(np.linalg.inv(design.T @ design), dtype=np.float64)
+        to_y = covariance @ weight.dual(design).T
+        change = float((covariance[:1] @ (design.T @ rest)).item())
         slope += change
         if abs(change) <= ENOUGH * abs(slope) or last <= abs(change) <= ROUNDED * abs(slope):
             break
@@ -72,14 +125,6 @@ def fitted(x: Array, y: Array, V_x: Array, V_y: Array, V_xy: Array, origin: bool
         covariance=covariance,
         to_y=to_y[0],
         offset_to_y=np.zeros(m) if origin else to_y[1],
-        chi2=float(residual @ weight @ residual),
+        chi2=float((rest.T @ rest).item()),
         dof=m - count,
     )
-
-
-def _inverse(V: Array) -> Array:
-    try:
-        np.linalg.cholesky(V)
-    except np.linalg.LinAlgError as error:
-        raise ValueError("the covariance of the points is not positive definite") from error
-    return np.asarray(np.linalg.inv(V))

@@ -1,6 +1,8 @@
 """Where a session comes from: versions, seeds, platform, command line."""
 
 import hashlib
+import importlib
+import os
 import platform
 import subprocess
 import sys
@@ -10,6 +12,11 @@ from pathlib import Path
 from typing import Any
 
 PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "h5py")
+CHOSEN = (
+    "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_NUM_THREADS",
+    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_CORETYPE",
+)  # fmt: skip
+"""Variables of the environment that choose instructions and threads."""
 
 
 def now() -> str:
@@ -40,8 +47,22 @@ def _making() -> dict[str, Any]:
         "command": " ".join(sys.argv),
         "platform": platform.platform(),
         "python": platform.python_version(),
+        "cpu": cpu(),
         "packages": {name: version_of(name) for name in PACKAGES},
         "git_commit": commit(),
+    }
+
+
+def cpu() -> dict[str, str]:
+    """Return what of the processor the numbers hang on: kernels and numpy choose their instructions by it, and with
+    them the order of sums (docs/conventions.md); and what the environment says of both."""
+    binding: Any = importlib.import_module("llvmlite.binding")  # untyped; heavy
+    features = binding.get_host_cpu_features()
+    return {
+        "name": binding.get_host_cpu_name(),
+        "features": " ".join(sorted(name for name, there in features.items() if there)),
+        "cores": str(os.cpu_count()),
+        **{name: os.environ[name] for name in CHOSEN if name in os.environ},
     }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis.report.axes import BLUE, GREY, INK, MARKERS, ORANGE, SERIES, Panel, legend, linear, logarithmic
 from analysis.report.cells import number
-from analysis.report.drawing import Plot
+from analysis.report.drawing import Plot, thinned
 from analysis.words import counted
 
 __all__ = ["repeats_plot", "waveform_plot"]
@@ -80,15 +80,17 @@ def repeats_plot(report: Row) -> Plot | None:
         if len(row["runs"]) > 1 and row["W_exp"] > row["W_detect"]
         for run in row["runs"]
     ]
+    count, told = len(told), list(thinned(told))
     if told:
         drift = Panel(linear([x for x, _ in told]), linear([0.0, *(y for _, y in told)]), "order of the runs",
                       "W over its mean − 1, %", "Every run")  # fmt: skip
         drift.level(0.0, INK, 0.8)
         drift.dots([x for x, _ in told], [y for _, y in told], BLUE, radius=2.5)
         panels.append(drift.drawing())
+    counted_runs = f"{count} runs" if len(told) == count else f"{len(told)} of {count} runs, evenly chosen,"
     alt = (
         f"W of every cycle in {counted(len(runs), 'run')} of {found['condition']}"
-        + (f", and of {len(told)} runs over the mean of their condition in the order they were made" if told else "")
+        + (f", and of {counted_runs} over the mean of their condition in the order they were made" if told else "")
         + ": a trend would show what had not settled, or drift. The numbers are in report.json."
     )
     return Plot("repeats", "W per cycle and run", alt, tuple(panels))

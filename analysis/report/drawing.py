@@ -6,12 +6,29 @@ Lengths are pixels, y points down. Small enough that one fits a phone; several m
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
-__all__ = ["Area", "Dot", "Drawing", "Line", "Mark", "Plot", "Word", "arranged", "outline", "svg_text"]
+__all__ = [
+    "MOST_POINTS",
+    "Area",
+    "Dot",
+    "Drawing",
+    "Line",
+    "Mark",
+    "Plot",
+    "Word",
+    "arranged",
+    "outline",
+    "svg_text",
+    "thinned",
+    "thinned_words",
+]
 
 Points = Sequence[tuple[float, float]]
 FONT = "system-ui, sans-serif"
 GAP = 12.0  # between the drawings of a figure
+MOST_POINTS = 500
+"""Of a panel's dots or bars: more hide each other, and make a page slow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +106,16 @@ class Plot:
         return (
             '<?xml version="1.0" encoding="utf-8"?>\n' + svg_text(arranged(self.panels, self.across), self.alt) + "\n"
         )
+
+
+def thinned(points: Sequence[Any], most: int = MOST_POINTS) -> Sequence[Any]:
+    """At most so many of some points, evenly over their order."""
+    return points[:: -(-len(points) // most)] if len(points) > most else points
+
+
+def thinned_words(shown: int, count: int) -> str:
+    """What a figure says where it does not show all points; "" where it does."""
+    return f" Shown are {shown} of {count}, evenly chosen." if shown < count else ""
 
 
 def arranged(panels: Sequence[Drawing], across: int) -> Drawing:

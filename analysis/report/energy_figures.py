@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from analysis.report.axes import BLUE, GREY, MARKERS, ORANGE, SERIES, Panel, Scale, legend, linear, logarithmic
-from analysis.report.drawing import Drawing, Plot
+from analysis.report.drawing import Drawing, Plot, thinned
 from analysis.words import counted
 
 __all__ = ["AXES", "energy_plots", "swept"]
@@ -21,6 +21,7 @@ AXES: dict[str, tuple[str, float]] = {
 UNITS = {"diameter": ("mm", 1e3), "fill": ("%", 100.0), "frequency": ("Hz", 1.0), "acceleration_set": ("m/s²", 1.0),
          "density": ("g/cm³", 1e-3)}  # fmt: skip
 MOST_PANELS = 12
+MOST_CONDITIONS = 100  # of a panel
 SAME = 2e-3  # relative
 MOST_SERIES = len(SERIES)
 MARKS = [
@@ -133,6 +134,9 @@ def _against(rows: Sequence[Row], x: str) -> Plot:
 
 def _panel(rows: Sequence[Row], x: str, title: str, log: bool) -> Drawing:
     name, scale = AXES[x]
+    if len(rows) > MOST_CONDITIONS:
+        shown = thinned(rows, MOST_CONDITIONS)
+        title, rows = f"{title}, {len(shown)} of {len(rows)} shown".lstrip(", "), shown
     at = [scale * row[x] for row in rows]
     told = [row for row in rows if row["W_T"] is not None]
     runs = [(scale * row[x], 1e3 * run["W_exp"]) for row in rows for run in row["runs"]]

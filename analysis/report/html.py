@@ -15,6 +15,7 @@ from analysis.report.style import CSS, SORT
 __all__ = ["html_text", "page"]
 
 LONG = 40  # characters: longer cells may wrap
+MANY = 200  # rows: a longer table is folded, so that a browser lays it out when it is asked for
 WIDE = 14  # characters: longer words take a line of a phone's card
 
 
@@ -87,12 +88,15 @@ def _table(table: Table, name: str, titled: bool = True) -> str:
     labels = "".join(
         f"#{name} td:nth-child({place})::before{{content:{_quoted(text)}}}" for place, text in enumerate(table.head, 1)
     )
-    return (
-        f"{f'<h3>{escape(table.title)}</h3>' if titled else ''}<p class='note'>{escape(table.note)}</p>"
+    title = f"<h3>{escape(table.title)}</h3>" if titled else ""
+    drawn = (
         f"<style>@media screen and (max-width:40rem){{{labels}}}</style>"
         f"<div class='wide' tabindex='0' role='region' aria-label='{escape(table.title)}'><table id='{name}'>"
         f"<thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table></div>"
     )
+    if len(table.rows) > MANY:
+        drawn = f"<details><summary>{len(table.rows)} rows</summary>{drawn}</details>"
+    return f"{title}<p class='note'>{escape(table.note)}</p>{drawn}"
 
 
 def _quoted(text: str) -> str:

@@ -15,7 +15,7 @@ from analysis.report.axes import (
     logarithmic,
     signed_logarithmic,
 )
-from analysis.report.drawing import Plot
+from analysis.report.drawing import Plot, thinned, thinned_words
 from analysis.words import counted
 
 __all__ = ["bland_altman", "nulls_plot", "offset_plot", "terms_plot", "weighted_terms"]
@@ -25,9 +25,10 @@ Row = dict[str, Any]
 
 def offset_plot(report: Row) -> Plot | None:
     """W_exp / W_T - 1 with U against W_T; None where there is none."""
-    rows = [row for row in report["conditions"] if row["offset"] is not None]
-    if not rows:
+    told = [row for row in report["conditions"] if row["offset"] is not None]
+    if not told:
         return None
+    rows = thinned(told)
     W = [1e3 * row["W_T"] for row in rows]
     offset, U = ([100 * row[name] for row in rows] for name in ("offset", "U_offset"))
     ends = [value + sign * half for value, half in zip(offset, U, strict=True) for sign in (-1, 1)]
@@ -39,9 +40,10 @@ def offset_plot(report: Row) -> Plot | None:
     panel.level(0.0, INK)
     panel.bars(W, offset, U, BLUE)
     alt = (
-        f"Offset of the measured from the predicted energy in {counted(len(rows), 'condition')}, per cent with 95 % "
+        f"Offset of the measured from the predicted energy in {counted(len(told), 'condition')}, per cent with 95 % "
         "uncertainty bars, against W_T on a logarithmic axis; the vertical axis is linear within ±20 % and logarithmic "
         "beyond. The energy-weighted offset is a line with its band. The numbers are in the table of conditions."
+        + thinned_words(len(rows), len(told))
     )
     words = [("o", BLUE, "W_exp/W_T − 1, with U (95 %)"), ("line", ORANGE, "energy-weighted, with U (95 %)")]
     return Plot("offset", "Offset against W_T", alt, (legend(words), panel.drawing()), across=1)
@@ -122,11 +124,13 @@ def bland_altman(report: Row) -> Plot | None:
     panel.level(bias, ORANGE)
     for edge in (low, high):
         panel.level(edge, ORANGE, 1.2, "5 3")
-    panel.dots(x, difference, BLUE, radius=3.5, hollow=False)
+    points = thinned(list(zip(x, difference, strict=True)))
+    panel.dots([m for m, _ in points], [d for _, d in points], BLUE, radius=3.5, hollow=False)
     alt = (
         f"Difference W_exp − W_T in per cent of their mean against that mean, {len(rows)} conditions: "
         f"bias {bias:.3g} %, limits of agreement {low:.3g} % and {high:.3g} %. The limits hold 95 % of differences "
         "like these; the conditions were chosen, so they are no uncertainty of the rig."
+        + thinned_words(len(points), len(rows))
     )
     words = [
         ("o", BLUE, "a condition"),

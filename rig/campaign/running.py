@@ -11,11 +11,12 @@ from typing import Any
 
 from analysis import read_session, write_report
 from daq.session import Recorder, open_session
+from rig.campaign.executor import Executor
 from rig.campaign.recording import Watch, record_parts
 from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign
 from rig.campaign.watching import Look
-from rig.campaign.workers import workers as started
+from rig.campaign.workers import Processes
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
 from rig.protocol import dump_protocol
@@ -31,13 +32,14 @@ def run(
     overwrite: bool = False,
     progress: Watch = lambda _: None,
     look: Callable[[Look], None] | None = None,
+    executor: Executor | None = None,
 ) -> dict[str, Any]:
     """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
     returns the report.
 
     `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
-    `progress` is told of every run, `look` of every block. The workers are at it while the predictions are made and the
-    session file is built.
+    `progress` is told of every run, `look` of every block. `executor`: where the runs are computed, instead of in
+    `workers` processes of this machine; it is at work while the predictions are made and the session file is built.
     """
     if isinstance(campaign, Protocol):
         campaign = Campaign.of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
@@ -46,7 +48,8 @@ def run(
     resume = resume and path.exists()
     finished = _finished(campaign, path) if resume else set()
     waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
-    with started(campaign, waiting, workers if speed is None else 1, speed) as parts:
+    executor = executor or Processes(workers if speed is None else 1)
+    with executor.started(campaign, waiting, speed) as parts:
         if resume:
             recorder = Recorder.resume(path)
         else:

@@ -1,121 +1,159 @@
-"""Worker processes that compute runs and never see a file: parts of runs go through a bounded queue.
+"""Runs computed by processes of this machine, which never see a file.
 
 Processes and not threads: the work is many short array operations, which one interpreter lock would serialise
-(docs/decisions/0002-worker-processes.md).
+(docs/decisions/0002-worker-processes.md). Nothing is shared between them: a process that is killed while it holds
+a lock, or in the middle of a message, would hold up the others for ever.
 """
 
+import logging
 import multiprocessing
 import os
 import queue
+import signal
 import sys
 import threading
-import time
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from itertools import islice
+from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from daq.clock import Overrun, Pacer
+from daq.clock import Overrun
+from rig.campaign.executor import WorkerFailed, WorkerLost, computed
 from rig.campaign.recording import Part
 from rig.campaign.setup import Campaign
 from rig.errors import InputError
 from rig.plan import Run
 
 QUEUED_PARTS = 24
-"""Parts of runs per worker that may wait for the writer."""
+"""Parts of runs that may wait in a worker for the writer."""
 
-POLL = 0.5
-"""Seconds between looks whether the other side still lives."""
-
-
-class WorkerLost(Exception):
-    """The worker processes were ended from outside."""
+log = logging.getLogger(__name__)
 
 
-class WorkerFailed(RuntimeError):
-    """A defect: the message holds the worker's traceback."""
+class Processes:
+    """Up to `count` worker processes, each with a pipe of its own."""
 
+    def __init__(self, count: int) -> None:
+        self._count = count
 
-@contextmanager
-def workers(campaign: Campaign, waiting: Sequence[Run], count: int, speed: float | None) -> Iterator[Iterator[Part]]:
-    """Start up to `count` workers on the waiting runs; gives their parts, each run's in order, and ends them after.
+    @contextmanager
+    def started(self, campaign: Campaign, waiting: Sequence[Run], speed: float | None) -> Iterator[Iterator[Part]]:
+        """Start the workers, as `Executor` says.
 
-    Start them before a session file is opened: a forked worker shares what is open then. A worker's error is raised
-    from the iteration.
-    """
-    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    ready = context.Queue(maxsize=QUEUED_PARTS * count)
-    following = context.Value("q", 0)
-    processes = [
-        context.Process(target=_work, args=(campaign, waiting, following, ready, speed), daemon=True)
-        for _ in range(min(count, len(waiting)))
-    ]
-    if len(processes) > 1:
-        next(campaign.parts(waiting[0]))  # loads the compiled kernels once, for all forked workers
-    for process in processes:
-        process.start()
-    try:
-        yield _received(processes, ready)
-    finally:
-        for process in processes:
-            process.terminate()
-        for process in processes:
-            process.join()
-
-
-def _received(processes: Sequence[Any], ready: Any) -> Iterator[Part]:
-    idle = 0
-    while idle < len(processes):
+        Start them before a session file is opened: a forked worker shares what is open then.
+        """
+        fork = sys.platform == "linux"
+        context: Any = multiprocessing.get_context("fork" if fork else "spawn")
+        count = min(self._count, len(waiting))
+        if count > 1:
+            next(campaign.parts(waiting[0]))  # loads the compiled kernels once, for all forked workers
+        pipes: list[Connection] = []
+        processes = []
         try:
-            item = ready.get(timeout=POLL)
-        except queue.Empty:
-            if not any(process.is_alive() for process in processes) and ready.empty():
-                raise WorkerLost("the workers were ended from outside; rig run --resume goes on") from None
-            continue
-        if isinstance(item, BaseException):
-            raise item
-        if item is None:
-            idle += 1
-        else:
+            for _ in range(count):
+                here, there = context.Pipe()
+                pipes.append(here)
+                # a forked worker has the near ends of all pipes made so far: it closes them, or else those workers
+                # would never see that this process is gone
+                inherited = tuple(pipes) if fork else ()
+                process = context.Process(target=_work, args=(campaign, waiting, speed, there, inherited), daemon=True)
+                process.start()
+                processes.append(process)
+                there.close()  # held by the worker alone: its death closes the pipe
+            yield _received(pipes, waiting)
+        finally:
+            for process in processes:
+                process.kill()
+            for process in processes:
+                process.join()
+            for pipe in pipes:
+                pipe.close()
+
+
+def _received(pipes: Sequence[Connection], waiting: Sequence[Run]) -> Iterator[Part]:
+    """Hand out the runs by their number and give what comes back.
+
+    A pipe ends with its worker, even in the middle of a message; what the worker had to do goes to the others.
+    """
+    given: dict[Connection, deque[int]] = {pipe: deque() for pipe in pipes}
+    left = deque(range(len(waiting)))
+    known = [0] * len(waiting)
+    lost: set[int] = set()
+    while left or any(given.values()):
+        if not given:
+            raise WorkerLost(_ended([waiting[number].name for number in sorted(lost)]))
+        _hand_out(given, left, known)
+        ready = set(wait(list(given)))
+        for pipe in [pipe for pipe in given if pipe in ready]:
+            try:
+                item = pipe.recv()
+            except (EOFError, OSError):
+                runs = given.pop(pipe)
+                left.extendleft(reversed(runs))
+                lost.update(runs)  # which of them it was at is not known: what it had not sent yet is gone with it
+                if runs and given:
+                    names = ", ".join(waiting[number].name for number in runs)
+                    log.warning("a worker was ended from outside; another one computes %s", names)
+                continue
+            if isinstance(item, BaseException):
+                raise item
+            number = given[pipe][0]
+            known[number] += 1
+            if item.scalars is not None:
+                given[pipe].popleft()
+                lost.discard(number)
+                _hand_out(given, left, known)
             yield item
 
 
-def _work(campaign: Campaign, waiting: Sequence[Run], following: Any, ready: Any, speed: float | None) -> None:
-    """One worker: the next run in order, until none is left."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+def _hand_out(given: dict[Connection, deque[int]], left: deque[int], known: Sequence[int]) -> None:
+    """Give every worker a run, and the next one beforehand while more are left than there are workers: none then waits
+    for the writer, nor at the end one run for another while a worker is idle."""
+    for depth, kept in ((1, 0), (2, len(given))):
+        for pipe, runs in given.items():
+            if len(runs) < depth and len(left) > kept:
+                runs.append(left.popleft())
+                with suppress(OSError):  # a worker that is gone: its pipe tells so when it is read
+                    pipe.send((runs[-1], known[runs[-1]]))
+
+
+def _ended(runs: Sequence[str]) -> str:
+    named = ", ".join(runs[:8]) + (f" and {len(runs) - 8} more" if len(runs) > 8 else "")
+    return (
+        f"the workers were ended from outside, as for want of memory, at {named}; "
+        "what was recorded is kept, rig run --resume goes on"
+    )
+
+
+def _work(
+    campaign: Campaign, waiting: Sequence[Run], speed: float | None, pipe: Connection, inherited: Sequence[Connection]
+) -> None:
+    """Be one worker: compute the runs that are asked for, until the pipe is closed or the process is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the other side's to handle
+    for end in inherited:
+        end.close()
+    asked: queue.SimpleQueue[tuple[int, int]] = queue.SimpleQueue()
+    ready: queue.Queue[Part | BaseException] = queue.Queue(QUEUED_PARTS)
+    for source, sink in ((pipe.recv, asked.put), (ready.get, pipe.send)):
+        threading.Thread(target=_relay, args=(source, sink), daemon=True).start()
+    while True:
+        number, known = asked.get()
+        try:
+            for part in islice(computed(campaign, waiting[number], speed), known, None):
+                ready.put(part)
+        except (InputError, MemoryError, Overrun) as error:
+            ready.put(error)
+        except Exception:  # noqa: BLE001  handed to the calling process, which raises it
+            ready.put(WorkerFailed(traceback.format_exc()))
+
+
+def _relay(source: Callable[[], Any], sink: Callable[[Any], object]) -> None:
+    """Pass on what comes; end this process where that fails, as it does when the other side of the pipe is gone."""
     try:
         while True:
-            with following.get_lock():
-                number = following.value
-                following.value += 1
-            if number >= len(waiting):
-                break
-            run = waiting[number]
-            pacer = Pacer(campaign.lengths[run.condition.id].rate, speed)
-            for part in campaign.parts(run):
-                try:
-                    pacer.wait(part.block.start + part.block.count)
-                except Overrun:
-                    _deliver(ready, part.late())
-                    raise
-                _deliver(ready, part.ended(pacer.punctuality))
-        _deliver(ready, None)
-    except KeyboardInterrupt:
+            sink(source())
+    finally:
         os._exit(1)
-    except (InputError, Overrun) as error:
-        _deliver(ready, error)
-    except Exception:  # noqa: BLE001  handed to the calling process, which raises it
-        _deliver(ready, WorkerFailed(traceback.format_exc()))
-
-
-def _end_with_parent() -> None:
-    """End this process soon after the one that started it has died: a queue that nobody reads holds it for ever."""
-    parent = multiprocessing.parent_process()
-    while parent is not None and parent.is_alive():
-        time.sleep(POLL)
-    os._exit(1)
-
-
-def _deliver(ready: Any, item: Part | BaseException | None) -> None:
-    """Wait for room."""
-    ready.put(item)

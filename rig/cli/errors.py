@@ -44,7 +44,7 @@ def _known(error: Exception) -> int | None:
     from daq.clock import Overrun
     from daq.formats.wave import FormatError
     from daq.session import SessionError, WriteError
-    from rig.campaign.workers import WorkerLost
+    from rig.campaign.executor import WorkerLost
 
     if isinstance(error, Overrun | WorkerLost | WriteError):
         return INTERRUPTED

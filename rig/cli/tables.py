@@ -13,6 +13,10 @@ PLAIN = str.maketrans({"±": "+-", "²": "2", "∞": "inf"})
 """Signs that a terminal without UTF-8 lacks."""
 
 
+MOST_ROWS = 40
+"""Conditions that a terminal shows of a session; of more, the first and a line that says where the others are."""
+
+
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
     """The console that results or progress are printed to; what a foreign file holds is text to it, never markup."""
     console = Console(stderr=stderr, quiet=quiet, markup=False, emoji=False)
@@ -71,12 +75,15 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
             number(c["acceleration"]), millijoules(c["W_exp"]), millijoules(c["U_W_exp"], 2), millijoules(c["W_T"]),
             percent(c["offset"]), number(c["E_n_chain"], 2),
         )
-        for c in report["conditions"]
+        for c in report["conditions"][:MOST_ROWS]
     )  # fmt: skip
     columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n ch.")
     console.print(
         table("Energies in mJ per cycle, fill in %, d in mm, a in m/s2", columns, rows, ("id", "grains", "bed"))
     )
+    more = len(report["conditions"]) - MOST_ROWS
+    if more > 0:
+        console.print(f"... and {counted(more, 'condition')} more, in report.csv and on the page")
     for claim in report["claims"]:
         console.print(f"claim, {claim['verdict']}: {claim['claim'].rstrip('.')} ({claim['why']})")
     console.print()

@@ -1,4 +1,5 @@
-"""A program: kills recordings at random instants, looks at what is left, resumes, and compares with one never stopped.
+"""A program: kills recordings, or workers of theirs, at random instants, looks at what is left, resumes, and compares
+with one never stopped.
 
 Arguments: folder, number of kills, seed. Prints one line per kill; a wrong one starts with BAD.
 """
@@ -8,6 +9,7 @@ import random
 import signal
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -73,7 +75,7 @@ def same_whole(one: Path, other: Path) -> None:
 
 
 def _gone(group: int) -> None:
-    """Wait until no process of a killed recording is left; its workers look for it twice a second."""
+    """Wait until no process of a killed recording is left; its workers see their pipes closed."""
     for _ in range(100):
         try:
             os.killpg(group, 0)
@@ -83,13 +85,19 @@ def _gone(group: int) -> None:
     raise AssertionError("workers outlive the recording that they worked for")
 
 
-def one_kill(folder: Path, whole: Path, delay: float) -> str:
+def one_kill(folder: Path, whole: Path, delay: float, workers: int) -> str:
+    """Kill a recording, or so many of its workers. Ends at the worst by the timeout of who called this program."""
     out = folder / "cut"
     child = started(out, resume=False)
     time.sleep(delay)
-    os.kill(child, signal.SIGKILL)
+    found = Path(f"/proc/{child}/task/{child}/children").read_text().split()
+    for victim in map(int, found[:workers]) if workers else [child]:
+        with suppress(ProcessLookupError):
+            os.kill(victim, signal.SIGKILL)
     ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     _gone(child)
+    if workers:  # the recording ends well as long as one of them is left
+        assert ended in ((0, 1) if len(found) <= workers else (0,)), f"ended with {ended}"
     left = "no file yet"
     if (out / "session.h5").exists():
         with open_session(out / "session.h5") as cut, open_session(whole / "session.h5") as reference:
@@ -112,7 +120,8 @@ def main() -> None:
     for number in range(kills):
         delay = rng.uniform(0.0, 0.9 * lasts)
         try:
-            print(f"{number}: after {delay:.3f} s: {one_kill(folder, folder / 'whole', delay)}", flush=True)
+            left = one_kill(folder, folder / "whole", delay, workers=number % 3)
+            print(f"{number}: after {delay:.3f} s: {left}", flush=True)
         except AssertionError as error:
             print(f"BAD {number}: after {delay:.3f} s: {error}", flush=True)
             return

@@ -92,7 +92,7 @@ def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeyp
     """A million times the speed, no margin: the first late block is recorded with its flag, the run is incomplete."""
     made = campaign(*ONE, "acquire.record=400 cycles")
     with monkeypatch.context() as patched:
-        patched.setattr("rig.campaign.workers.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+        patched.setattr("rig.campaign.executor.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
         with pytest.raises(Overrun, match="slower speed"):
             run(made, tmp_path, speed=1e6)
     with open_session(tmp_path / "session.h5") as record:
