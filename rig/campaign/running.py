@@ -7,19 +7,19 @@ not grow with the length of a record and nothing depends on the number of worker
 from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from analysis import read_session, write_report
-from daq.session import Recorder, open_session
+import analysis
 from rig.campaign.recording import Watch, record_parts
-from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign
-from rig.campaign.watching import Look
 from rig.campaign.workers import workers as started
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
 from rig.protocol import dump_protocol
 from rig.scene import Protocol
+
+if TYPE_CHECKING:
+    from rig.campaign.watching import Look
 
 
 def run(
@@ -30,7 +30,7 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
-    look: Callable[[Look], None] | None = None,
+    look: "Callable[[Look], None] | None" = None,
 ) -> dict[str, Any]:
     """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
     returns the report.
@@ -47,6 +47,9 @@ def run(
     finished = _finished(campaign, path) if resume else set()
     waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
     with started(campaign, waiting, workers if speed is None else 1, speed) as parts:
+        from daq.session import Recorder  # loaded while the workers are at it, as whatever only the writer needs
+        from rig.campaign.session import session_plan
+
         if resume:
             recorder = Recorder.resume(path)
         else:
@@ -55,13 +58,16 @@ def run(
             recorder = Recorder.create(path, plan, overwrite)
         with recorder:
             energies = record_parts(recorder, parts, progress, look)
-            report = read_session(recorder.record(), energies)
-    write_report(report, out)
+            report = analysis.read_session(recorder.record(), energies)
+    analysis.write_report(report, out)
     return report
 
 
 def _finished(campaign: Campaign, path: Path) -> set[str]:
     """Names of the runs that a session has got. Raises InputError where it is not a session of this very campaign."""
+    from daq.session import open_session
+    from rig.campaign.session import identity
+
     asked = identity(campaign)
     with open_session(path) as record:
         found = {name: record.document(name) or {} for name in asked}
