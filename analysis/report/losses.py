@@ -52,7 +52,8 @@ def losses_sentence(report: Report) -> str:
             told.append(f"an {loss_name(name, report)}{f', {size}' if size else ''}")
     if not told:
         return ""
-    return f"Between gauge and bed the stand has {'; and '.join(told)}: coefficients that were put in and explain no offset."
+    listed = "; and ".join(told)
+    return f"Between gauge and bed the stand has {listed}: coefficients that were put in and explain no offset."
 
 
 def _over(name: str, report: Report) -> dict[str, float] | None:
