@@ -76,11 +76,11 @@ def fill(rounds: int) -> list[Row]:
         for count, values in times.items()
     ]
     with tempfile.TemporaryDirectory() as folder:
-        command = [*RIG, "run", str(FILL), *SETS, "--workers", str(counts[-1]), "--out", f"{folder}/s", "--force"]
-        timed_process(command, ROOT)  # keeps the compiled modules
-        whole = [timed_process(command, ROOT) for _ in range(rounds)]
+        command = [*RIG, "run", str(FILL), *SETS, "--workers", str(counts[-1]), "--out"]
+        timed_process([*command, f"{folder}/first"], ROOT)  # keeps the compiled modules
+        whole = [timed_process([*command, f"{folder}/{number}"], ROOT) for number in range(rounds)]
         start = [timed_process([*RIG, "run", "--help"], ROOT) for _ in range(rounds)]
-        modules = imported_by(command[len(RIG) :], ROOT)
+        modules = imported_by([*command[len(RIG) :], f"{folder}/last"], ROOT)
         imports = [timed_process([sys.executable, "-c", IMPORTS, *modules], ROOT) for _ in range(rounds)]
     rows.append(_against_rig_time(f"{WHOLE}, {counts[-1]} workers", whole, campaign.rig_time))
     rows += [
