@@ -66,4 +66,5 @@ $(READY): pyproject.toml setup.py lock.txt
 	"Say which to take: make PYTHON=python3.11" >&2; exit 1;; esac
 	$(PYTHON) -m venv $(VENV)
 	$(LOCKED) $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
+	$(BIN)/python -m compileall -q rig daq analysis  # as an installer does with what it copies: ours is linked
 	@touch $(READY)

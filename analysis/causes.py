@@ -73,7 +73,9 @@ def causes(
 
     Rows: cause, law, words, in_run, grows_with (acceleration, mass, fill: exponents or None), share (of W_T, weighted
     with energy), empty and locked (energy left there over the largest W_T at the same level), empty_from, locked_from
-    ("run" or "computed"), note. Numbers are None where the run cannot tell.
+    ("run" or "computed"), over_first_principles (low and high over the conditions: the coefficient over what sound and
+    drag of the box make it; None for other causes and where nobody computed it), note. Numbers are None where the run
+    cannot tell.
     """
     rig = {str(value["path"]): value.get("value") for value in assumed if value.get("path") in NEEDED}
     if not results or any(not isinstance(rig.get(name), float | int) for name in NEEDED):
@@ -88,7 +90,9 @@ def causes(
         energies |= {name: energy for name, energy in seen.items() if energy is not None}
         in_run = bool(listed) or not cause.loss
         row = _row(cause, results, points, energies, cause.form or (lambda _still: 0.0), in_run)
-        rows.append(row | {"note": _gas_note(listed, conditions) if cause.name == "gas" else ""})
+        over = _over_first_principles([conditions[name] for name in points], cause.loss)
+        note = _gas_note(listed, conditions) if cause.name == "gas" else ""
+        rows.append(row | {"note": note, "over_first_principles": over})
     return rows
 
 
@@ -156,7 +160,8 @@ def _row(
             "fill": _slope([(p.fill, e, (p.kind, p.level)) for p, e in known]),
         },
         "share": math.fsum(energy for _, energy in told) / total if total else None,
-        "empty": empty, "empty_from": empty_from, "locked": locked, "locked_from": locked_from, "note": "",
+        "empty": empty, "empty_from": empty_from, "locked": locked, "locked_from": locked_from,
+        "over_first_principles": None, "note": "",
     }  # fmt: skip
 
 
@@ -212,6 +217,12 @@ def _mean(result: Result, column: str) -> float | None:
     """Mean of a ledger column over the runs, J per cycle; None without truth."""
     values = [run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger]
     return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
+
+
+def _over_first_principles(conditions: Iterable[Mapping[str, Any]], loss: str) -> dict[str, float] | None:
+    """Least and largest of a loss's coefficient over its size by first principles."""
+    found = [facts[loss] for facts in (one.get("over_first_principles") or {} for one in conditions) if loss in facts]
+    return {"low": float(min(found)), "high": float(max(found))} if found else None
 
 
 def _gas_note(listed: Sequence[Result], conditions: Mapping[str, Mapping[str, Any]]) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.estimate import coverage_factor
 
@@ -66,7 +67,7 @@ def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
     """P(max_j T_j <= d) of correlated t: given the control's error z and the scale s they are independent normals."""
     from scipy.special import gammaincinv, ndtr, ndtri
 
-    points, weights = np.polynomial.legendre.leggauss(NODES)
+    points, weights = _gauss()
     p, weights = (points + 1) / 2, weights / 2
     z = ndtri(p)
     s = np.ones(1) if math.isinf(nu) else np.sqrt(2 * gammaincinv(nu / 2, p) / nu)
@@ -74,6 +75,13 @@ def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
     load = np.array(loads)
     reach = (load * z[:, None] + d * s[:, None, None]) / np.sqrt(1 - load**2)
     return float(w_s @ np.prod(ndtr(reach), axis=-1) @ weights)
+
+
+@lru_cache(maxsize=1)
+def _gauss() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points and weights of the quadrature, which cost more than what is done with them: eigenvalues of a matrix."""
+    points, weights = np.polynomial.legendre.leggauss(NODES)
+    return points, weights
 
 
 def beaten(means: Sequence[float], counts: Sequence[float], s: float, nu: float, level: float) -> tuple[bool, ...]:

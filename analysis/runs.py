@@ -159,6 +159,7 @@ CONDITION = Keys(
         "dashpot_c": SIZE, "sweep_to": Either(Null(), ONE), "mistake": Either(Null(), MISTAKE), "losses": List(Text()),
         "support": Text(), "gauge": Either(Null(), Text()), "accelerometer": Either(Null(), Text()),
         "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
+        "over_first_principles": Keys({"noise": Number(0.0), "air": Number(0.0)}),
     },
 )  # fmt: skip
 """A condition in the session (SI): what `Setting` takes, and what the table of causes asks for."""

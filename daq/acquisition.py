@@ -46,6 +46,7 @@ class Emulated:
         if abs(source.rate - OVERSAMPLING * frontend.rate) > LARGEST_CLOCK_ERROR * source.rate:
             raise ValueError(f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz")
         self._source = source
+        self._clipping = source if isinstance(source, Clipping) else None  # asked once: a protocol is slow to ask
         self._frontend = frontend
         self._next = 0
         self._converted = 0  # samples, those read ahead included
@@ -70,8 +71,8 @@ class Emulated:
         parts, have = [self._ahead], self._ahead.shape[1]
         while have < n:
             parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * self._frontend.block)))
-            if isinstance(self._source, Clipping):
-                self._note(self._source)
+            if self._clipping is not None:
+                self._note(self._clipping)
             self._converted += self._frontend.block
             have += self._frontend.block
         codes = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]

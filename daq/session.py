@@ -41,11 +41,11 @@ __all__ = [
 class Recorder:
     """The one writer of a session file; all calls from one thread. Use `create` or `resume`."""
 
-    def __init__(self, file: Any, path: Path, lock: WriterLock) -> None:
+    def __init__(self, file: Any, path: Path, lock: WriterLock, made: bool = False) -> None:
         self._file = file
         self._path = path
         self._lock = lock
-        self._record = Record(file, path)
+        self._record = Record(file, path, made=made)
         self._infos = {info.name: info for info in self._record.runs}
         self._index = {name: position for position, name in enumerate(self._infos)}
         self._channels = tuple(self._record.channels)
@@ -76,7 +76,7 @@ class Recorder:
                 file.flush()
                 reserve(part)
                 os.replace(part, final)
-                return cls(file, final, lock)
+                return cls(file, final, lock, made=True)
             except BaseException:
                 file.close()
                 raise

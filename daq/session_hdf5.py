@@ -158,10 +158,13 @@ def dataset(file: Any, path: str) -> Any:
 
 
 class Table:
-    """A dataset of the given type and shape, opened for reading; KeyError or ValueError where it is another."""
+    """A dataset of the given type and shape, opened for reading; KeyError or ValueError where it is another.
 
-    def __init__(self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> None:
-        self._source = dataset(file, path)
+    made: this process has made the file, so that its datasets need no look at where and how they keep their bytes.
+    """
+
+    def __init__(self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], made: bool = False) -> None:
+        self._source = h5d.open(file.id, path.encode()) if made else dataset(file, path)
         self._dtype, self._shape = np.dtype(dtype), shape
         self._space = self._source.get_space()
         there = self._space.get_simple_extent_dims()

@@ -78,10 +78,11 @@ class Record:
     foreign file cannot point the reader at other files.
     """
 
-    def __init__(self, file: Any, path: Path, patience: float | None = None) -> None:
+    def __init__(self, file: Any, path: Path, patience: float | None = None, made: bool = False) -> None:
         self._file = file
         self._path = path
         self._patience = patience
+        self._made = made  # by this process, just now
         self._owned = file.mode == "r"  # a recorder keeps its own file
         self._live = self._owned and file.swmr_mode  # another process may be writing
         self._tables: dict[str, Table] = {}  # opened and checked
@@ -309,7 +310,7 @@ class Record:
         if path not in self._tables:
             if len(self._tables) >= KEPT_TABLES:
                 self._tables.clear()
-            self._tables[path] = Table(self._file, path, dtype, shape)
+            self._tables[path] = Table(self._file, path, dtype, shape, self._made)
         return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:

@@ -1,5 +1,7 @@
 """The energy account of a run: what the exciter gave, cycle by cycle, and where it went."""
 
+import sys
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ Array = NDArray[np.float64]
 
 IN_BED = ("W_f", "W_c", "W_viscous")
 SPENT = (*IN_BED, *LOST, "dKE_bed", "dKE_box")
+CHANGE = SPENT.index("dKE_bed")
 COLUMNS = (*SPENT, "W_gauge", "closure")
 """Joules per cycle, except `closure`: what is left over, as a share of max(|W_gauge|, pi M V^2)."""
 
@@ -41,8 +44,10 @@ def account(reaction: Reaction, kinetic_before: float, lost: Array, inertial: fl
     rows[:, 1] = reaction.collision
     rows[:, 2] = reaction.viscous
     rows[:, len(IN_BED) : len(IN_BED) + len(LOST)] = lost
-    rows[:, SPENT.index("dKE_bed")] = np.diff(reaction.kinetic, prepend=kinetic_before)
+    change = rows[:, CHANGE]
+    change[0] = reaction.kinetic[0] - kinetic_before
+    change[1:] = reaction.kinetic[1:] - reaction.kinetic[:-1]
     rows[:, len(SPENT)] = gauge
     spent = rows[:, : len(SPENT)].sum(axis=1)
-    rows[:, -1] = (gauge - spent) / np.maximum(np.maximum(np.abs(gauge), inertial), np.finfo(float).tiny)
+    rows[:, -1] = (gauge - spent) / np.maximum(np.maximum(np.abs(gauge), inertial), sys.float_info.min)
     return rows

@@ -10,6 +10,7 @@ from daq.channel import AnalyzerSpec
 from daq.seeds import stream
 from rig.catalog.entries import Rig
 from rig.gas import LEAST_SHARE, share_of_weight
+from rig.losses import over_first_principles
 from rig.model import Prediction, predict_about
 from rig.scene import Condition, Protocol
 from rig.theory.total import AVERAGED_CYCLES
@@ -142,6 +143,9 @@ def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: flo
         "moving_mass": rig.exciter.moving_mass,
         "losses": list(condition.scene.losses),
         "support": condition.scene.support,
+        "over_first_principles": over_first_principles(
+            rig.loss_noise, rig.loss_air, condition.scene.cavity, condition.drive.frequency
+        ),
         "gas": _gas_facts(condition, rig),
         "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
         **(_places(condition)),

@@ -166,10 +166,13 @@ class Stand:
         ledger = account(reaction, self._kinetic, self._lost, self._inertial)
         self._kinetic = float(reaction.kinetic[-1])
         means = np.empty((2, reaction.momentum.size))
-        np.multiply(np.diff(reaction.momentum, prepend=self._last_momentum), self.rate, out=means[0])
-        means[0] += box.force
+        force, momentum = means[0], reaction.momentum
+        force[0] = momentum[0] - self._last_momentum
+        np.subtract(momentum[1:], momentum[:-1], out=force[1:])
+        force *= self.rate
+        force += box.force
         means[1] = box.acceleration
-        self._last_momentum = float(reaction.momentum[-1])
+        self._last_momentum = float(momentum[-1])
         chunk = Chunk(means, ledger)
         self._replay.note(chunk, reaction.repeats if box is before else 0)
         return chunk

@@ -8,6 +8,7 @@ from analysis.report import wording
 from analysis.report.cells import Cell, Table
 from analysis.report.drawing import Plot, svg_text
 from analysis.report.fidelity import fidelity_sentences
+from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
@@ -31,7 +32,11 @@ def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) ->
         f"<h1>{escape(name)}</h1>",
         f"<p class='lead'>{escape(wording.tested(report))}</p>",
         f"<p><strong>Question:</strong> {escape(report['question'])}</p>" if report["question"] else "",
-        *(f"<p>{escape(text)}</p>" for text in (wording.waveform(report), wording.support(report)) if text),
+        *(
+            f"<p>{escape(text)}</p>"
+            for text in (wording.waveform(report), wording.support(report), losses_sentence(report))
+            if text
+        ),
         f"<section class='verdict {'good' if passes else 'bad'}' aria-labelledby='verdict'>",
         f"<h2 id='verdict'>Verdict: {escape(wording.verdict_line(report).lower())}</h2>",
         (found if passes else why + found.replace(" class='result'", "")) + more + checks + "</section>",

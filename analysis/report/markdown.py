@@ -6,6 +6,7 @@ from typing import Any
 from analysis.report import wording
 from analysis.report.cells import Table
 from analysis.report.fidelity import fidelity_sentences
+from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
 
@@ -19,7 +20,7 @@ def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None
     if report["question"]:
         lines.append(f"Question: {plain(report['question'])}")
     lines += [
-        *(plain(text) for text in (wording.waveform(report), wording.support(report)) if text),
+        *(plain(text) for text in (wording.waveform(report), wording.support(report), losses_sentence(report)) if text),
         f"## Verdict: {wording.verdict_line(report)}",
         *(f"**{plain(text)}**" for text in wording.failures(report)),
         plain(wording.headline(report)),

@@ -16,6 +16,7 @@ from analysis.report.axes import (
     signed_logarithmic,
 )
 from analysis.report.drawing import Plot, thinned, thinned_words
+from analysis.report.losses import loss_name, short_name
 from analysis.words import counted
 
 __all__ = ["bland_altman", "nulls_plot", "offset_plot", "terms_plot", "weighted_terms"]
@@ -67,7 +68,7 @@ def terms_plot(report: Row) -> Plot | None:
     for name in TERMS:
         steps.append((name, so_far, so_far + 100 * found[name]))
         so_far += 100 * found[name]
-    named = [*(name if name != "remainder" else "rest" for name, _, _ in steps), "offset"]
+    named = [*(short_name(name) if name != "remainder" else "rest" for name, _, _ in steps), "offset"]
     panel = Panel(
         linear((-0.6, len(steps) + 0.6)), linear([0.0, *(end for _, _, end in steps)], zero=True), "", "% of W_T",
         height=250, names=[""] * len(named),
@@ -81,7 +82,7 @@ def terms_plot(report: Row) -> Plot | None:
             panel.word(place, high, f"{end - start:+.{places}f}".replace("-", "−"), up=4)
         panel.word(place, panel.y.low, named[place], up=-14 if place % 2 == 0 else -27)
     panel.level(0.0, INK)
-    told = ", ".join(f"{name} {100 * value:+.2g} %" for name, value in found.items())
+    told = ", ".join(f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.items())
     alt = f"The offset, term by term, as per cent of W_T weighted with energy: {told}; together {so_far:+.3g} %."
     return Plot("terms", "From W_T to W_exp", alt, (panel.drawing(),), across=1)
 

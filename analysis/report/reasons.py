@@ -4,6 +4,7 @@ from typing import Any
 
 from analysis.offset import TERMS
 from analysis.report.cells import UNKNOWN, Cell, Table, fixed, number, significant
+from analysis.report.losses import first_principles, loss_name, short_name
 
 __all__ = ["causes", "offset_terms"]
 
@@ -15,7 +16,7 @@ LOSSES = ("noise", "air", "gas", "guide friction", "cords")
 
 def offset_terms(report: Report) -> Table:
     """The offset of each condition, term by term."""
-    title, head = "Offset, term by term", ("id", "offset, %", *(f"{name}, %" for name in TERMS))
+    title, head = "Offset, term by term", ("id", "offset, %", *(f"{short_name(name)}, %" for name in TERMS))
     told = [row for row in report["conditions"] if row["offset_terms"] is not None]
     if not told:
         return Table(title, "", head, ())
@@ -28,8 +29,9 @@ def offset_terms(report: Report) -> Table:
     within = "within" if remainder <= allowed else "beyond"
     note = (
         "Percent of W_T, from the rig's own ledger and the true state of its instruments; the terms add up to the "
-        "offset. noise, air, gas and mount are losses outside the grains; phase and scale are the instruments; refill "
-        "is what the poured bed took beyond W_T at the level reached, the waveform's share included where no ablation "
+        f"offset. Losses outside the grains: viscous, {loss_name('noise', report)}; quadratic, "
+        f"{loss_name('air', report)}; gas and mount. phase and scale are the instruments; refill is what the poured "
+        "bed took beyond W_T at the level reached, the waveform's share included where no ablation "
         f"parts them. The remainder nearest to its limit, {significant(100 * remainder, 2)} % in {worst['id']}, is "
         f"{within} the {significant(100 * allowed, 2)} % that are allowed there."
     )
@@ -48,10 +50,10 @@ def causes(report: Report) -> Table:
     shown = [row for row in told if row["in_run"]] if off else told
     rows = tuple(
         (
-            Cell(row["cause"]), Cell(row["law"]), Cell("yes" if row["in_run"] else "no, computed"),
+            Cell(loss_name(row["cause"], report)), Cell(row["law"]), Cell("yes" if row["in_run"] else "no, computed"),
             _left(row["share"], "run" if row["in_run"] else "computed"), *map(_power, row["grows_with"].values()),
             _left(row["empty"], row["empty_from"]), _left(row["locked"], row["locked_from"]),
-            Cell(" ".join(filter(None, (row["words"], f"Here: {row['note']}." if row["note"] else "")))),
+            Cell(" ".join(filter(None, (row["words"], *_here(row, report))))),
         )
         for row in shown
     )  # fmt: skip
@@ -70,6 +72,12 @@ def causes(report: Report) -> Table:
         "run. A loss that knows no mass stays in the empty box: never 7 % of a full one and nearly nothing there."
     )
     return Table("Causes of an offset", note, head, rows)
+
+
+def _here(row: Report, report: Report) -> tuple[str, ...]:
+    """What is known of a cause in this session, in sentences."""
+    size = first_principles(row["cause"], report)
+    return tuple(f"Here: {text}." for text in (size, row["note"]) if text)
 
 
 def _percent(value: float) -> Cell:

@@ -73,6 +73,7 @@ CAUSE = Keys(
         _each("cause law words note", Text()),
         {"in_run": YesNo(), "grows_with": Keys(_each("acceleration mass fill", KNOWN))},
         _each("share empty locked", KNOWN),
+        {"over_first_principles": Keys(_each("low high", SIZE), null=True)},
         _each("empty_from locked_from", Text(("run", "computed"), null=True)),
     )
 )

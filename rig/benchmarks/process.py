@@ -1,33 +1,100 @@
 """Whole processes, timed and weighed from outside."""
 
+import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-MEMORY = """
-import resource, sys
+EVERY = 0.02
+"""Seconds between looks at the memory of a process: the system keeps its peak, only the last look has to be late."""
+
+RIG = "import sys; sys.argv = ['rig', *sys.argv[1:]]; from rig.cli import main; main()"
+
+LISTED = """
+import sys
 sys.argv = ["rig", *sys.argv[1:]]
 from rig.cli import main
 try:
     main()
 finally:
-    peak = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    print("peak", *peak, file=sys.stderr)
+    print("imported", *sorted(sys.modules), file=sys.stderr)
+"""
+
+IMPORTS = """
+import importlib, sys
+for name in sys.argv[1:]:
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        pass  # made by another module, not imported by its name
 """
 
 
-def timed_process(command: Sequence[str], folder: Path) -> float:
+def as_users_have_it(**more: str) -> dict[str, str]:
+    """The environment of a process whose Python may keep its compiled modules, as it does unless told otherwise."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return {**kept, **more}
+
+
+def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None) -> float:
     """Wall seconds of one process, which has to succeed. Raises CalledProcessError."""
+    environment = as_users_have_it() if environment is None else environment
     start = time.perf_counter()
-    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    subprocess.run(command, cwd=folder, check=True, capture_output=True, env=environment)
     return time.perf_counter() - start
 
 
+def imported_by(arguments: Sequence[str], folder: Path) -> tuple[str, ...]:
+    """Modules that a `rig` command has imported in the end. Raises CalledProcessError."""
+    command = [sys.executable, "-c", LISTED, *arguments]
+    done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True, env=as_users_have_it())
+    return tuple(done.stderr.rpartition("imported")[2].split())
+
+
+def weighed_imports(modules: Sequence[str], folder: Path) -> float:
+    """Peak memory, MB, of an interpreter that imports modules and does nothing. See `weighed`."""
+    return weighed([sys.executable, "-c", IMPORTS, *modules], folder)[0]
+
+
 def run_process(arguments: Sequence[str], folder: Path) -> tuple[float, float]:
-    """Peak memory of a `rig` command and of its largest worker, MB. Raises CalledProcessError."""
-    command = [sys.executable, "-c", MEMORY, *arguments]
-    done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
-    own, children = done.stderr.rpartition("peak")[2].split()
-    return float(own), float(children)
+    """Peak memory of a `rig` command and of its largest worker, MB. See `weighed`."""
+    return weighed([sys.executable, "-c", RIG, *arguments], folder)
+
+
+def weighed(command: Sequence[str], folder: Path) -> tuple[float, float]:
+    """Peak resident memory of a process and of its largest child, MB, as /proc has it (Linux).
+
+    Not `getrusage`: its peak of a new process begins with that of the one that started it. Raises OSError,
+    CalledProcessError.
+    """
+    own = largest = 0.0
+    with subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=as_users_have_it()
+    ) as process:
+        while process.poll() is None:
+            own = max(own, _peak(process.pid))
+            largest = max(largest, *map(_peak, _children(process.pid)), 0.0)
+            time.sleep(EVERY)
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command)
+    return own, largest
+
+
+def _peak(pid: int) -> float:
+    """Peak resident memory of a process, MB; 0 where it has gone."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    lines = (line.split() for line in status.splitlines() if line.startswith("VmHWM"))
+    return next((int(fields[1]) / 1024.0 for fields in lines), 0.0)
+
+
+def _children(pid: int) -> tuple[int, ...]:
+    """Processes that a process's first thread has started."""
+    try:
+        return tuple(map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()))
+    except (FileNotFoundError, ProcessLookupError):
+        return ()

@@ -15,12 +15,12 @@ import numpy as np
 from analysis import read_session
 from daq.acquisition import Emulated
 from daq.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, ideal_transducer
-from daq.fir import DELAY
+from daq.fir import DELAY, STAGE1, STAGE2
 from daq.frontend import FrontEnd
 from daq.session import open_session
 from rig import shipped
 from rig.benchmarks.machine import ROOT, cores
-from rig.benchmarks.process import run_process, timed_process
+from rig.benchmarks.process import IMPORTS, imported_by, run_process, timed_process, weighed_imports
 from rig.benchmarks.scaling import workers
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread
 from rig.campaign import Campaign, replay, run
@@ -32,6 +32,13 @@ Row = dict[str, Any]
 Array = np.typing.NDArray[np.float64]
 
 FILL = shipped.folder() / "fill_rate.yaml"
+FIXED = ("acquire.settle=10 cycles", "acquire.record=40 cycles")
+"""The fill protocol of the comparison: 160 runs of 50 cycles, whatever the shipped protocol settles."""
+
+SETS = tuple(word for one in FIXED for word in ("--set", one))
+
+WHOLE = "whole process: start, run, report, figures"
+
 REPLAY, PLAIN = "replay: blocks and energies (ours)", "plain h5py and trapezoids"
 RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
 
@@ -58,9 +65,9 @@ def recording_seconds(campaign: Campaign, workers: int) -> float:
 def fill(rounds: int) -> list[Row]:
     """The fill protocol against the rig time that it simulates: recording alone, by workers, and the whole process;
     and how the recording's time falls with workers."""
-    campaign = fill_campaign()
+    campaign = fill_campaign(*FIXED)
     counts = [1, cores()] if cores() > 1 else [1]
-    recording_seconds(fill_campaign("repeats=1"), counts[-1])
+    recording_seconds(fill_campaign("repeats=1", *FIXED), counts[-1])
     times: dict[float, list[float]] = {count: [] for count in counts}
     for _ in range(rounds):
         for count in counts:
@@ -70,9 +77,21 @@ def fill(rounds: int) -> list[Row]:
         for count, values in times.items()
     ]
     with tempfile.TemporaryDirectory() as folder:
-        command = [*RIG, "run", str(FILL), "--out", f"{folder}/s", "--force", "--json"]
-        whole = [timed_process(command, ROOT) for _ in range(rounds)]
-    rows.append(_against_rig_time("whole process: start, run, report, figures", whole, campaign.rig_time))
+        command = [*RIG, "run", str(FILL), *SETS, "--workers", str(counts[-1]), "--out"]
+        timed_process([*command, f"{folder}/first"], ROOT)  # keeps the compiled modules
+        whole = [timed_process([*command, f"{folder}/{number}"], ROOT) for number in range(rounds)]
+        start = [timed_process([*RIG, "run", "--help"], ROOT) for _ in range(rounds)]
+        modules = imported_by([*command[len(RIG) :], f"{folder}/last"], ROOT)
+        imports = [timed_process([sys.executable, "-c", IMPORTS, *modules], ROOT) for _ in range(rounds)]
+    rows.append(_against_rig_time(f"{WHOLE}, {counts[-1]} workers", whole, campaign.rig_time))
+    rows += [
+        {"kind": "fill", "problem": "fill protocol", "method": method, "s": spread(seconds), "rig_time_s": None,
+         "times_faster": None, "failure": None}
+        for method, seconds in (
+            ("of it: Python and the command line alone (--help)", start),
+            ("of it: an interpreter that imports the same modules, one after the other", imports),
+        )
+    ]  # fmt: skip
     return rows + workers(times)
 
 
@@ -84,14 +103,20 @@ def _against_rig_time(method: str, seconds: list[float], rig_time: float) -> Row
 
 
 def memory() -> list[Row]:
-    """Peak memory of `rig run` and of its worker for a run of 1 and of 100 minutes of rig time: it does not grow."""
-    rows = []
+    """Peak memory of `rig run` and of its worker for a run of 1 and of 100 minutes of rig time, which does not grow,
+    beside that of an interpreter with the same imports and nothing done."""
+    rows: list[Row] = []
     with tempfile.TemporaryDirectory() as folder:
         for minutes in (1, 100):
-            writer, worker = run_process(
-                ["run", str(FILL), "--out", f"{folder}/{minutes}", "--set", "vary={}", "--set", "repeats.n=1", "--set",
-                 f"acquire.record={1200 * minutes} cycles", "--json"], ROOT,
-            )  # fmt: skip
+            arguments = [
+                "run", str(FILL), "--out", f"{folder}/{minutes}", "--set", "vary={}", "--set", "repeats.n=1", "--set",
+                f"acquire.record={1200 * minutes} cycles", "--force",
+            ]  # fmt: skip
+            if not rows:
+                baseline = weighed_imports(imported_by(arguments, ROOT), ROOT)
+                rows.append({"kind": "memory", "problem": "an interpreter with the same imports", "method": "-",
+                             "writer_MB": baseline, "worker_MB": None, "failure": None})  # fmt: skip
+            writer, worker = run_process(arguments, ROOT)
             rows.append({"kind": "memory", "problem": "rig run, one run",
                          "method": f"{minutes} min of rig time", "writer_MB": writer, "worker_MB": worker,
                          "failure": None})  # fmt: skip
@@ -112,7 +137,8 @@ class Tone:
 
 
 def acquisition(rounds: int, quick: bool) -> list[Row]:
-    """The front end (two stages, noise off, 24 bit) beside scipy's polyphase filter of one stage alone."""
+    """The front end (two stages, noise off, 24 bit) beside scipy's polyphase filter alone: one stage, and the very same
+    two stages."""
     from scipy.signal import firwin, kaiserord, upfirdn  # type: ignore[attr-defined, unused-ignore]
 
     samples = 50_000 if quick else 200_000
@@ -137,11 +163,15 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
     def theirs() -> Array:
         return np.asarray(upfirdn(single, volts, 1, 8, axis=1)[0])
 
+    def two_stages() -> Array:
+        return np.asarray(upfirdn(STAGE2, upfirdn(STAGE1, volts, 1, 4, axis=1), 1, 2, axis=1)[0])
+
     n = np.arange(samples)
     first, second = "front end: filter, noise, codes, flags (ours)", "scipy.signal.upfirdn, one stage, filter alone"
-    calls = {first: ours, second: theirs}
-    checks: tuple[Callable[[], Array], ...] = (partial(ours, silent, ideal_analyzer()), theirs)
-    delays = (DELAY - 0.5 / 8.0, (taps - 1) / 2.0 / 8.0 - 0.5 / 8.0)
+    third = "scipy.signal.upfirdn, our two stages, filter alone"
+    calls = {first: ours, second: theirs, third: two_stages}
+    checks: tuple[Callable[[], Array], ...] = (partial(ours, silent, ideal_analyzer()), theirs, two_stages)
+    delays = (DELAY - 0.5 / 8.0, (taps - 1) / 2.0 / 8.0 - 0.5 / 8.0, DELAY - 0.5 / 8.0)
     rows: dict[str, Row] = {}
     for (name, call), check, delay in zip(calls.items(), checks, delays, strict=True):
         found = check()
@@ -156,7 +186,7 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
     times = interleaved(calls, rounds)
     for name, seconds in times.items():
         rows[name]["ms"] = spread([1e3 * value for value in seconds])
-    rows[first]["speed"] = against(times, first, second, 3.0)
+    rows[first]["speed"] = against(times, first, third, 1.0)
     return list(rows.values())
 
 

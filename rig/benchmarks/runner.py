@@ -23,7 +23,18 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
-    from rig.benchmarks import beds, chain, exciter, precision, recording, records, scaling, sliders, small_beds
+    from rig.benchmarks import (
+        beds,
+        chain,
+        compiling,
+        exciter,
+        precision,
+        recording,
+        records,
+        scaling,
+        sliders,
+        small_beds,
+    )
 
     rounds = 3 if quick else 5
     few = min(rounds, 3)
@@ -51,6 +62,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         for axis in scaling.AXES
     ]
     if not quick:
+        found.append(Job("compiling", 90.0, partial(compiling.compiling, records.FILL, records.SETS)))
         found.append(Job("memory", 40.0, records.memory))
     return tuple(found)
 

@@ -45,6 +45,7 @@ def tables(rows: Sequence[Row]) -> list[Table]:
         _parts(rows),
         _exponents(rows),
         _sizes(rows),
+        _compiling(rows),
         _drift(rows),
         _memory(rows),
         _failures(rows),
@@ -216,13 +217,14 @@ def _layers(rows: Sequence[Row]) -> Table:
             number(row["ms"]["median"]),
             "-" if row["error"] is None else f"{row['error']:.1e}",
             f"{100.0 * row['model_error']:+.2f} %",
+            "-" if row.get("times") is None else spread(row["times"]),
         )
         for row in _of(rows, "layers")
     )
     return Table(
         "layers",
         "The standard bed: what a model costs and what it errs",
-        ("m/s2", "model", "W_T mJ", "ms", "numerics", "against many rows"),
+        ("m/s2", "model", "W_T mJ", "ms", "numerics", "against many rows", "times ours, same cycles"),
         lines,
         ("model",),
     )
@@ -247,7 +249,12 @@ def _small_beds(rows: Sequence[Row]) -> Table:
 
 def _fill(rows: Sequence[Row]) -> Table:
     lines = tuple(
-        (row["method"], spread(row["s"]), number(row["rig_time_s"]), spread(row["times_faster"]))
+        (
+            row["method"],
+            spread(row["s"]),
+            number(row["rig_time_s"]),
+            "-" if row["times_faster"] is None else spread(row["times_faster"]),
+        )
         for row in _of(rows, "fill")
     )
     return Table("fill", "The fill protocol, 160 runs", ("what", "s", "rig time s", "times faster"), lines, ("what",))
@@ -292,6 +299,52 @@ def _exponents(rows: Sequence[Row]) -> Table:
 def _sizes(rows: Sequence[Row]) -> Table:
     lines = tuple((row["axis"], f"{row['size']:g}", spread(row["ms"])) for row in _of(rows, "scaling"))
     return Table("sizes", "Times behind the exponents", ("axis", "size", "ms"), lines, ("axis",))
+
+
+def break_even(compiling: float, own: float, rival: float) -> float | None:
+    """Cycles after which compiling has paid, from seconds of it and microseconds per cycle; None for never."""
+    return compiling / (1e-6 * (rival - own)) if rival > own else None
+
+
+def _compiling(rows: Sequence[Row]) -> Table:
+    """What compiling takes, and after how many cycles of a slider it has paid against scipy, which compiles nothing."""
+    own = {method: _mean_cost(rows, (method,)) for method in SHORT}
+    scipy = _mean_cost(rows, [name for name in SHORT if name.startswith("solve_ivp")])
+    lines = []
+    for row in _of(rows, "compiling"):
+        cost = own.get(row["method"])
+        cycles = break_even(row["compiling_s"], cost, scipy) if cost is not None and scipy is not None else None
+        lines.append(
+            (
+                row["method"],
+                number(row["first_s"]),
+                number(row["later_s"]),
+                number(row["compiling_s"]),
+                number(cost),
+                "-" if cycles is None else f"{float(f'{cycles:.2g}'):.0f}",
+            )
+        )
+    columns = ("what", "first s", "later s", "compiling s", "us per cycle", "cycles until it has paid")
+    return Table("compiling", "Compiling: the first time and later", columns, tuple(lines), ("what",))
+
+
+def _mean_cost(rows: Sequence[Row], methods: Sequence[str], wanted: float = 1e-6) -> float | None:
+    """Microseconds per cycle for an error of 1e-6, the mean over the problems of the best of these methods; None where
+    a problem has none that reaches it."""
+    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+    best = []
+    for problem in dict.fromkeys(row["problem"] for row in precise):
+        costs = []
+        for method in methods:
+            own = [row for row in precise if row["problem"] == problem and row["method"] == method]
+            cost = (
+                cost_at(wanted, [r["error"] for r in own], [r["us_per_cycle"]["median"] for r in own]) if own else None
+            )
+            costs += [cost.seconds] if cost is not None and cost.reached else []
+        if not costs:
+            return None
+        best.append(min(costs))
+    return sum(best) / len(best) if best else None
 
 
 def _drift(rows: Sequence[Row]) -> Table:

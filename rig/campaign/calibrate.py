@@ -103,7 +103,7 @@ def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Acc
 
 
 def _provenance(campaign: Campaign, target: float, found: dict[str, float]) -> dict[str, Any]:
-    """How the coefficients came about, beside their first-principles sizes: they are effective values, not air."""
+    """How the coefficients came about, beside their first-principles sizes: effective values, no explanation."""
     cavity = campaign.conditions[0].scene.cavity
     height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
     omega = 2.0 * np.pi * campaign.conditions[0].drive.frequency

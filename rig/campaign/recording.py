@@ -1,18 +1,26 @@
-"""From parts of runs to a session: written by one writer, each run analysed as soon as it is recorded."""
+"""From parts of runs to a session: written by one writer, each run analysed as soon as it is recorded.
+
+File and analysis are loaded where they are used: a process that computes parts needs neither, and a campaign starts its
+workers before it loads them.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import AnalysisError, RunEnergy, run_energy
+import analysis
 from daq.block import Block, Flag
 from daq.clock import NEVER_LATE, Punctuality
-from daq.session import Record, Recorder
-from rig.campaign.feeding import Fed
-from rig.campaign.watching import Look, Watcher
+
+if TYPE_CHECKING:
+    from analysis import RunEnergy
+    from daq.session import Record, Recorder
+    from rig.campaign.feeding import Fed
+    from rig.campaign.watching import Look
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,7 @@ class Progress:
 
     run: str
     condition: str
-    energy: RunEnergy | None
+    energy: "RunEnergy | None"
     done: int
     total: int
     punctuality: Punctuality = NEVER_LATE
@@ -57,7 +65,7 @@ class Analysis:
     done: runs that were complete before.
     """
 
-    def __init__(self, record: Record, watch: Watch, done: int) -> None:
+    def __init__(self, record: "Record", watch: Watch, done: int) -> None:
         self._record = record
         self._watch = watch
         self._runs = record.runs
@@ -69,10 +77,10 @@ class Analysis:
         self.read(part.run, self._record)
         self.tell(part)
 
-    def read(self, name: str, source: Record | Fed) -> None:
+    def read(self, name: str, source: "Record | Fed") -> None:
         """Find a run's energies from what holds its samples, or has them come in."""
-        with suppress(AnalysisError):  # read_session lists it with the reason
-            self.energies[name] = run_energy(source, self._record.run(name))
+        with suppress(analysis.AnalysisError):  # read_session lists it with the reason
+            self.energies[name] = analysis.run_energy(source, self._record.run(name))
 
     def tell(self, part: Part) -> None:
         """Tell of a run that has been read: its last part."""
@@ -83,12 +91,14 @@ class Analysis:
 
 
 def record_parts(
-    recorder: Recorder, parts: Iterable[Part], watch: Watch, look: Callable[[Look], None] | None = None
-) -> dict[str, RunEnergy]:
+    recorder: "Recorder", parts: Iterable[Part], watch: Watch, look: "Callable[[Look], None] | None" = None
+) -> "dict[str, RunEnergy]":
     """Write parts, each run's in order; energies by run name, as read back from the record; `look` hears of blocks."""
+    from rig.campaign.watching import Watcher
+
     cycles: dict[str, int] = {}
     watcher = None if look is None else Watcher(recorder.record(), look)
-    analysis = Analysis(recorder.record(), watch, len(recorder.completed()))
+    reader = Analysis(recorder.record(), watch, len(recorder.completed()))
     for part in parts:
         recorder.append(part.run, part.block)
         if watcher is not None:
@@ -99,5 +109,5 @@ def record_parts(
             cycles[part.run] = first + len(part.ledger)
         if part.scalars is not None:
             recorder.finish(part.run, part.scalars, part.flags)
-            analysis.add(part)
-    return analysis.energies
+            reader.add(part)
+    return reader.energies

@@ -7,20 +7,20 @@ not grow with the length of a record and nothing depends on the number of worker
 from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from analysis import read_session, write_report
-from daq.session import Recorder, open_session
+import analysis
 from rig.campaign.executor import Executor
 from rig.campaign.recording import Watch, record_parts
-from rig.campaign.session import identity, session_plan
 from rig.campaign.setup import Campaign
-from rig.campaign.watching import Look
 from rig.campaign.workers import Processes
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
 from rig.protocol import dump_protocol
 from rig.scene import Protocol
+
+if TYPE_CHECKING:
+    from rig.campaign.watching import Look
 
 
 def run(
@@ -31,7 +31,7 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
-    look: Callable[[Look], None] | None = None,
+    look: "Callable[[Look], None] | None" = None,
     executor: Executor | None = None,
 ) -> dict[str, Any]:
     """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
@@ -50,6 +50,9 @@ def run(
     waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
     executor = executor or Processes(workers if speed is None else 1)
     with executor.started(campaign, waiting, speed) as parts:
+        from daq.session import Recorder  # loaded while the workers are at it, as whatever only the writer needs
+        from rig.campaign.session import session_plan
+
         if resume:
             recorder = Recorder.resume(path)
         else:
@@ -58,13 +61,16 @@ def run(
             recorder = Recorder.create(path, plan, overwrite)
         with recorder:
             energies = record_parts(recorder, parts, progress, look)
-            report = read_session(recorder.record(), energies)
-    write_report(report, out)
+            report = analysis.read_session(recorder.record(), energies)
+    analysis.write_report(report, out)
     return report
 
 
 def _finished(campaign: Campaign, path: Path) -> set[str]:
     """Names of the runs that a session has got. Raises InputError where it is not a session of this very campaign."""
+    from daq.session import open_session
+    from rig.campaign.session import identity
+
     asked = identity(campaign)
     with open_session(path) as record:
         found = {name: record.document(name) or {} for name in asked}

@@ -1,12 +1,16 @@
-"""A protocol with every choice made: what each run is, and its road from the stand to blocks of codes."""
+"""A protocol with every choice made: what each run is, and its road from the stand to blocks of codes.
+
+What only some protocols need (exciter in the loop, choice of fidelity, W_T on the record) is loaded where it is used:
+its kernels take a quarter of the time that the imports of a run in servo drive would take.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.offset import EXACT
 from daq.acquisition import Emulated
 from daq.conditioning import conditioned
 from daq.fir import OVERSAMPLING
@@ -17,26 +21,26 @@ from daq.transducer import Transduced
 from rig.beds.stack import Filling, nominal, refill
 from rig.campaign.ablation import exact_energy
 from rig.campaign.beginning import Beginning
-from rig.campaign.dwelling import LEVEL_SCALARS, Dwelling, Picked
 from rig.campaign.faults import with_faults
-from rig.campaign.fidelity import chosen
 from rig.campaign.loop_back import LoopBack, inputs_alone
 from rig.campaign.peaks import beyond, steady, use_of, with_peaks_of
 from rig.campaign.practice import seen, spoiled
 from rig.campaign.ranging import auto_ranged
-from rig.campaign.recorded import NAMES, Listener
 from rig.campaign.recording import Part
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
 from rig.drive.exciter import Demand
 from rig.drive.waveform import Waveform, waveform
-from rig.fidelity.choice import Choice
-from rig.fidelity.rows import side_by_side
 from rig.instruments import Instruments, instruments
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
 from rig.scene import LOOP_BACK, Condition, Protocol, Scene
 from rig.stand import Stand
+
+if TYPE_CHECKING:
+    from rig.campaign.dwelling import Dwelling
+    from rig.campaign.recorded import Listener
+    from rig.fidelity.choice import Choice
 
 Array = NDArray[np.float64]
 
@@ -60,7 +64,7 @@ class Campaign:
     lengths: dict[str, Lengths]
     instruments: Instruments
     ablate: bool = False
-    choices: Mapping[str, Choice] = field(default_factory=dict)
+    choices: "Mapping[str, Choice]" = field(default_factory=dict)
 
     @classmethod
     def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
@@ -68,8 +72,10 @@ class Campaign:
         conditions = protocol.conditions()
         tools = instruments(conditions, rig, protocol.seed)
         rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
-        choices = {}
+        choices: dict[str, Choice] = {}
         if protocol.fidelity == "auto":
+            from rig.campaign.fidelity import chosen
+
             choices = chosen(protocol, conditions, rig, auto_ranged(tools, conditions, rig, rates))
             conditions = tuple(choices[c.id].applied(c) for c in conditions)
         sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
@@ -92,7 +98,11 @@ class Campaign:
     def ledger_columns(self) -> tuple[str, ...]:
         """Columns of the ledgers: those of coupled drive where any condition has it."""
         columns = COUPLED_COLUMNS if self.coupled else COLUMNS
-        return (*columns, EXACT) if self.ablate else columns
+        if not self.ablate:
+            return columns
+        from analysis.offset import EXACT
+
+        return (*columns, EXACT)
 
     @property
     def coupled(self) -> bool:
@@ -138,12 +148,16 @@ class Campaign:
         use = use_of(self.rig, stand)
         if run.condition.id not in self.choices or not beyond(use):
             return use
+        from rig.fidelity.rows import side_by_side
+
         scene = side_by_side(run.condition.scene)
         full = Stand(scene, self.rig, stand.motion, self.filling(run, scene), stand.rate)
         return with_peaks_of(use, use_of(self.rig, steady(full)))
 
-    def dwelling(self, run: Run) -> Dwelling:
+    def dwelling(self, run: Run) -> "Dwelling":
         """The dwell of a run in coupled drive, at rest."""
+        from rig.campaign.dwelling import Dwelling
+
         tools, clock = self.instruments, 1.0 + self.instruments.clock_error
         channel, state = next((c, s) for c, s in zip(tools.channels, tools.states, strict=True) if c.name == LEVEL_OF)
         rate = OVERSAMPLING * self.lengths[run.condition.id].rate * clock
@@ -161,7 +175,7 @@ class Campaign:
         beginning = Beginning(faulty, run, size, lead)
         wanted = run.condition.acquire.settle + run.condition.acquire.record
         listener = self._listener(run)
-        silent = dict.fromkeys(NAMES, float("nan")) if self.recorded else {}
+        silent = self._not_heard() if self.recorded else {}
         for number, samples in enumerate(size.blocks):
             block = beginning.read(samples)
             if listener is not None:
@@ -192,13 +206,21 @@ class Campaign:
         front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
         return Emulated(conditioned(Transduced(source, tools.states), tools.channels, tools.states), front)
 
-    def _listener(self, run: Run) -> Listener | None:
+    def _listener(self, run: Run) -> "Listener | None":
         """What predicts from the record of a run, where that is wanted."""
         if not self.recorded or run.condition.drive.sweep_to is not None:
             return None
+        from rig.campaign.recorded import Listener
+
         size, tools = self.lengths[run.condition.id], self.instruments
         row = [channel.name for channel in tools.channels].index(LEVEL_OF)
         return Listener(run.condition, self.rig, size, row, tools.table(size.rate, FILTER_DELAY)[row])
+
+    def _not_heard(self) -> dict[str, float]:
+        """Scalars of a run that nothing listened to."""
+        from rig.campaign.recorded import NAMES
+
+        return dict.fromkeys(NAMES, float("nan"))
 
     def exact(self, run: Run, motion: Waveform) -> float:
         """J per cycle that the bed of a run would take on an exact sine of the level reached."""
@@ -235,13 +257,19 @@ class Servo:
     def scalars(self) -> dict[str, float]:
         """Use of the exciter's limits."""
         found = self._campaign.demand(self._run, self._stand).scalars()
-        return found | (dict.fromkeys(LEVEL_SCALARS, 0.0) if self._campaign.coupled else {})
+        if not self._campaign.coupled:
+            return found
+        from rig.campaign.dwelling import LEVEL_SCALARS
+
+        return found | dict.fromkeys(LEVEL_SCALARS, 0.0)
 
 
 class Coupled:
     """A run in coupled drive: what is recorded, its ledger, and what it ends with."""
 
     def __init__(self, campaign: Campaign, run: Run) -> None:
+        from rig.campaign.dwelling import Picked
+
         self._campaign, self._run = campaign, run
         self._dwelling = campaign.dwelling(run)
         self.source = campaign.led(run, Picked(self._dwelling.stand, len(campaign.instruments.channels)))

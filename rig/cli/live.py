@@ -4,6 +4,7 @@ the latest cycles, and a table that fills as runs are analysed. 80 columns are e
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rich.console import Console, Group
 from rich.live import Live
@@ -12,9 +13,11 @@ from rich.table import Table
 from rich.text import Text
 
 from daq.clock import NEVER_LATE
-from rig.campaign import Campaign, Look
-from rig.campaign import Progress as Step
 from rig.cli.tables import number, scaled
+
+if TYPE_CHECKING:
+    from rig.campaign import Campaign, Look
+    from rig.campaign import Progress as Step
 
 LINES = 12
 """Conditions shown at a time: those that changed last."""
@@ -34,7 +37,7 @@ class Line:
     runs: int
 
 
-def lines_of(campaign: Campaign) -> dict[str, Line]:
+def lines_of(campaign: "Campaign") -> dict[str, Line]:
     """The conditions of a campaign."""
     repeats = campaign.protocol.repeats.n
     return {
@@ -68,7 +71,7 @@ class LiveView:
         """Whether anybody sees single blocks."""
         return self._console.is_terminal
 
-    def look(self, look: Look) -> None:
+    def look(self, look: "Look") -> None:
         """A block has been recorded."""
         self._latest = look
         for name, level in look.levels.items():
@@ -81,7 +84,7 @@ class LiveView:
         self._under_way = {name: share for name, share in self._under_way.items() if share < 1.0}
         self._bar.update(self._task, completed=self._done + sum(self._under_way.values()), done=self._done)
 
-    def step(self, step: Step) -> None:
+    def step(self, step: "Step") -> None:
         """A run is done."""
         found = self._sums.pop(step.condition, [])
         self._sums[step.condition] = found if step.energy is None else [*found, step.energy.energy.W]

@@ -1,6 +1,7 @@
 """The programmed motion of the box: harmonics of one fundamental, in closed form."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ class Waveform:
         """Harmonic coefficients as the kernels take them."""
         return np.array(self.sine, dtype=np.float64), np.array(self.cosine, dtype=np.float64)
 
-    @property
+    @cached_property
     def start_velocity(self) -> float:
         """Box velocity at the start of every cycle, m/s."""
         return float(self.at(np.zeros(1))[1][0])

@@ -123,3 +123,12 @@ def test_gas_says_whether_it_was_switched_on() -> None:
 
 def test_no_rig_no_table() -> None:
     assert read_session(made(values={"gravity": 9.8}))["causes"] == []
+
+
+def test_losses_beside_first_principles_as_the_session_tells_them() -> None:
+    """Low and high over the conditions; nothing for causes that have no such size, and where no session tells."""
+    rows = rows_of(made(over_first_principles={"noise": 3.0, "air": 0.0}))
+    found = {name: row["over_first_principles"] for name, row in rows.items()}
+    assert (found.pop("noise"), found.pop("air")) == ({"low": 3.0, "high": 3.0}, {"low": 0.0, "high": 0.0})
+    assert set(found.values()) == {None}
+    assert {row["over_first_principles"] for row in rows_of(made()).values()} == {None}

@@ -12,6 +12,7 @@ from analysis.nulls import Null
 from analysis.references import Reference
 from analysis.report import wording
 from analysis.report.energy_figures import energy_plots
+from analysis.report.losses import loss_name, losses_sentence
 from analysis.report.reasons import LOSSES, causes
 from analysis.report.tables import conditions
 from analysis.verdict import verdict
@@ -63,7 +64,7 @@ def test_claims_that_are_not_there_are_not_counted(report):
 
 def test_losses_that_are_switched_off_are_no_causes(report):
     row = {"law": "", "words": "", "share": 430.0, "empty": 430.0, "empty_from": "computed", "locked": 430.0,
-           "locked_from": "computed", "note": "",
+           "locked_from": "computed", "note": "", "over_first_principles": None,
            "grows_with": {"acceleration": None, "mass": None, "fill": None}}  # fmt: skip
     report["causes"] = [row | {"cause": name, "in_run": False} for name in LOSSES]
     report["causes"].append(row | {"cause": "scale", "in_run": True})
@@ -129,3 +130,17 @@ def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
     assert wording.headline(report).endswith("so no offset is stated.")
     report["agreement"] |= {"ratio_recorded": 13.5, "U_ratio_recorded": 0.4, "put_in_recorded": 12.3}
     assert any("the losses of the box" in text for text in wording.found(report))
+
+
+def test_the_papers_words_explain_no_loss_that_is_larger_than_they_can_be(report):
+    """Named by its law, and unexplained unless its size is known and no larger than the word would make it."""
+    row = {"in_run": True}
+    for low, high, word in ((3.0, 40.0, "unexplained "), (0.5, 1.0, ""), (None, None, "unexplained ")):
+        over = None if low is None else {"low": low, "high": high}
+        report["causes"] = [row | {"cause": name, "over_first_principles": over} for name in ("noise", "air", "gas")]
+        assert loss_name("noise", report) == f"{word}viscous loss (the paper's noise)"
+        assert loss_name("air", report) == f"{word}quadratic loss (the paper's air)"
+        assert loss_name("gas", report) == "gas"
+        assert ("the paper's air" in losses_sentence(report)) == bool(word)
+    report["causes"][0]["over_first_principles"] = {"low": 317307.3, "high": 317307.3}
+    assert "317 000 times the sound" in losses_sentence(report)

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rig.beds.stack import nominal, stack
+from rig.catalog import load_rig
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
 from rig.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
@@ -23,6 +24,7 @@ from rig.losses import (
     mean_cord_force,
     mean_force,
     mean_sign,
+    over_first_principles,
     quadratic_energy,
     structural_energy,
     viscous_energy,
@@ -204,3 +206,14 @@ def test_gas_is_switched_on_by_its_share_of_the_weight(rig: Rig, steel: Scene) -
 def test_no_gas_without_slip(rig: Rig, steel: Scene, bed: str) -> None:
     scene = replace(steel, bed=bed)
     assert gas_energy(scene, rig, nominal(scene, rig), SINE) == share_of_weight(scene, rig, 5.0, 20.0) == 0.0
+
+
+def test_the_shipped_losses_are_told_beside_first_principles() -> None:
+    """Sound goes as w^4, the viscous coefficient does not know w: the quotient falls by 16 from 20 to 40 Hz."""
+    rig, cavity = load_rig("default"), Scene().cavity
+    at_20, at_40 = (over_first_principles(rig.loss_noise, rig.loss_air, cavity, f) for f in (20.0, 40.0))
+    assert at_20["noise"] == pytest.approx(16.0 * at_40["noise"], rel=1e-12)
+    assert at_20["air"] == at_40["air"]
+    assert at_20 == pytest.approx(
+        {name: rig.provenance[f"{name}_over_first_principles"] for name in ("noise", "air")}, rel=1e-9
+    )

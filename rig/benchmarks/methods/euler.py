@@ -5,13 +5,14 @@ import math
 from numba import njit
 
 from rig.benchmarks.methods.first_order import first_order
+from rig.kernels.waveform import Array
 
 TWO_PI = 2.0 * math.pi
 
 
 @njit(cache=True, nogil=True)
 def _run(
-    band: float, play: float, restitution: float, gravity: float, u: float, z: float, steps: int, settle: int,
+    band: float, play: float, restitution: float, gravity: float, u: float, z: float, sine: Array, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
     """Velocity first, friction capped at standstill; then the place, cut at the walls.
@@ -19,6 +20,7 @@ def _run(
     A wall costs energy only where the mass was off it before: pressed on, it is stopped in every step again. A rebound
     slower than the push of one step ends there.
     """
+    steps = sine.size
     h = TWO_PI / steps
     least = h * (1.0 + gravity)
     grip = h * band
@@ -26,7 +28,7 @@ def _run(
     for k in range(settle + average):
         lost = 0.0
         for n in range(steps):
-            z += h * (math.sin(n * h) - gravity)
+            z += h * (sine[n] - gravity)
             if abs(z) <= grip:
                 z = 0.0
             else:
@@ -49,4 +51,4 @@ def _run(
     return energy, events, taken, taken, 0, u, z
 
 
-EULER = first_order("semi-implicit Euler", _run)
+EULER = first_order("semi-implicit Euler", _run, 0.0)

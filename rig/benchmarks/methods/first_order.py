@@ -1,9 +1,13 @@
-"""Steppers of fixed step and first order, under the name of a method of the comparison."""
+"""Steppers of fixed step and first order, under the name of a method of the comparison; their sines from a table."""
 
 from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
 
 from rig.benchmarks.methods.method import Method, Work
 from rig.benchmarks.sliders import Slider
+from rig.kernels.waveform import Array
 
 LADDER = (100, 400, 1600, 6400, 25600, 102400, 409600)
 QUICK = (100, 800, 6400, 51200)
@@ -12,14 +16,22 @@ QUICK = (100, 800, 6400, 51200)
 Run = Callable[..., tuple[float, int, int, int, int, float, float]]
 
 
-def first_order(name: str, run: Run) -> Method:
-    """run(band, play, restitution, gravity, u, z, steps, settle, average) -> the fields of `Work`."""
+@lru_cache
+def sines(steps: int, place: float) -> Array:
+    """The drive in every step of a cycle, at a fraction `place` of it."""
+    return np.asarray(np.sin(2.0 * np.pi / steps * (np.arange(steps) + place)))
+
+
+def first_order(name: str, run: Run, place: float) -> Method:
+    """run(band, play, restitution, gravity, u, z, sine, settle, average) -> the fields of `Work`; sine: `sines` at
+    `place`, where the method evaluates the drive."""
 
     def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
         _, u, z = slider.start
         return Work(
             *run(
-                slider.band, slider.play, slider.restitution, slider.gravity, u, z, int(setting), settle, average
+                slider.band, slider.play, slider.restitution, slider.gravity, u, z, sines(int(setting), place),
+                settle, average,
             )
         )  # fmt: skip
 

@@ -1,41 +1,72 @@
 """Classical Runge-Kutta of order 4 with impacts, stops and starts located inside the step; compiled.
 
 A stretch between two events is smooth, so that the order holds if an event's phase is as exact as the step: it is
-found by Newton's method on the step itself taken to a fraction, and the next step starts there. A wall is hit only by
-a mass that closes on it: behind a lift-off the gap grows like t^3, and round-off alone would fake an impact.
+found by Newton's method on the step itself taken to a fraction, and a shorter step from there leads back to the grid,
+whose sines come from a table. A wall is hit only by a mass that closes on it: behind a lift-off the gap grows like t^3,
+and round-off alone would fake an impact.
 """
 
 import math
+from functools import lru_cache
 
+import numpy as np
 from numba import njit
 
 from rig.benchmarks.methods.method import Failed, Method, Work
 from rig.benchmarks.sliders import Slider
+from rig.kernels.rows import HISTORY, find_recurrence
+from rig.kernels.waveform import Array
 
 TWO_PI = 2.0 * math.pi
 CHATTER = 1e-6
 CONVERGED = 1e-13
+ROUND_OFF = 1e-14
+"""Length of a step to the grid, rad, below which none is taken."""
+
 STUCK = 1_000_000
 """Events in one cycle at which the method gives up."""
 
 
 def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
     """`setting` steps per cycle."""
-    found = Work(
-        *_run(
-            slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, int(setting), settle, average
-        )
-    )
+    found = _run(
+        slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
+        average,
+    )  # fmt: skip
+    return _checked(Work(*found[:-1]))
+
+
+def solve_steady(slider: Slider, setting: float, settle: int, average: int) -> tuple[Work, int]:
+    """The same, but followed no longer than until a state recurs, as the rig does it: the mean over that period then.
+    Also the period in cycles, 0 where none was found in settle + average of them."""
+    found = _steady(
+        slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
+        average,
+    )  # fmt: skip
+    return _checked(Work(*found[:-1])), found[-1]
+
+
+def _checked(found: Work) -> Work:
     if found.events < 0:
         raise Failed("the events of a cycle do not end")
     return found
 
 
+@lru_cache
+def sines(steps: int) -> Array:
+    """The drive at the edges and in the middle of every step of a cycle."""
+    return np.asarray(np.sin(math.pi / steps * np.arange(2 * steps + 1)))
+
+
 @njit(cache=True, nogil=True, inline="always")
 def _step(t: float, h: float, u: float, z: float, f: float, pull: float) -> tuple[float, float, float]:
     """One step of u'' = sin(t) - pull from (u, z), with f the right-hand side at t; also the one at its end."""
-    middle = math.sin(t + 0.5 * h) - pull
-    end = math.sin(t + h) - pull
+    return _stepped(h, u, z, f, math.sin(t + 0.5 * h) - pull, math.sin(t + h) - pull)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _stepped(h: float, u: float, z: float, f: float, middle: float, end: float) -> tuple[float, float, float]:
+    """The same from the right-hand sides in the middle and at the end."""
     return u + h * z + h * h / 6.0 * (f + 2.0 * middle), z + h / 6.0 * (f + 4.0 * middle + end), end
 
 
@@ -91,22 +122,28 @@ def _start(
 
 @njit(cache=True, nogil=True)
 def _run(
-    band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, steps: int,
+    band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
     settle: int, average: int,
-) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
+    """sine : `sines` of the grid. A step ends at its edge `n`, and begins at the one before or behind an event."""
+    steps = (sine.size - 1) // 2
     length = TWO_PI / steps
     energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
     for k in range(settle + average):
-        t, lost, known, f = 0.0, 0.0, False, 0.0
+        t, n, lost, known, f = 0.0, 1, 0.0, False, 0.0
+        whole = True
         limit = events + STUCK
-        while t < TWO_PI:
-            h = min(length, TWO_PI - t)
+        while n <= steps:
+            h = length if whole else n * length - t
+            if h <= ROUND_OFF:
+                t, n, whole, known = n * length, n + 1, True, False
+                continue
             if mode == 0:
                 if not known:
-                    f = math.sin(t) - gravity
+                    f = (sine[2 * n - 2] if whole else math.sin(t)) - gravity
                     rhs += 1
                 push = f
-                later = math.sin(t + h) - gravity
+                later = sine[2 * n] - gravity
                 rhs += 1
                 taken += 1
                 known = False
@@ -115,35 +152,36 @@ def _run(
                 elif (push < -band or (push == -band and later < -band)) and u > 0.0:
                     mode = -1
                 elif later > band and u < play:
-                    share, n = _start(t, h, push - band, later - band, band, 1.0, gravity)
-                    t, mode, roots = t + share, 1, roots + n
-                    rhs += 2 * n
+                    share, count = _start(t, h, push - band, later - band, band, 1.0, gravity)
+                    t, whole, mode, roots = t + share, False, 1, roots + count
+                    rhs += 2 * count
                 elif later < -band and u > 0.0:
-                    share, n = _start(t, h, -push - band, -later - band, band, -1.0, gravity)
-                    t, mode, roots = t + share, -1, roots + n
-                    rhs += 2 * n
+                    share, count = _start(t, h, -push - band, -later - band, band, -1.0, gravity)
+                    t, whole, mode, roots = t + share, False, -1, roots + count
+                    rhs += 2 * count
                 else:
-                    t, f, known = t + h, later, True
+                    t, n, whole, f, known = n * length, n + 1, True, later, True
                 if mode != 0:
                     events += 1
                 continue
             pull = gravity + mode * band
             if not known:
-                f = math.sin(t) - pull
+                f = (sine[2 * n - 2] if whole else math.sin(t)) - pull
                 rhs += 1
-            u_end, z_end, force = _step(t, h, u, z, f, pull)
+            middle = (sine[2 * n - 1] if whole else math.sin(t + 0.5 * h)) - pull
+            u_end, z_end, force = _stepped(h, u, z, f, middle, sine[2 * n] - pull)
             rhs += 2
             taken += 1
             wall = 0
             stops = band > 0.0 and mode * z_end < 0.0
             if stops and z == 0.0:  # thrown and caught again within one step: it does not get anywhere
-                t, mode, known = t + h, 0, False
+                t, n, whole, mode, known = n * length, n + 1, True, 0, False
                 continue
             part = h
             if stops:
-                part, n = _located(t, h, u, z, f, pull, 0.0, float(mode), True)
-                rhs += 2 * n
-                roots += n
+                part, count = _located(t, h, u, z, f, pull, 0.0, float(mode), True)
+                rhs += 2 * count
+                roots += count
                 u_end, z_end, force = _step(t, part, u, z, f, pull)
                 if mode == 1 and u_end > play:
                     wall = 1
@@ -155,13 +193,16 @@ def _run(
                 wall = 1
             if wall != 0:
                 level = play if wall == 1 else 0.0
-                part, n = _located(t, part, u, z, f, pull, level, float(wall), False)
-                rhs += 2 * n
-                roots += n
+                part, count = _located(t, part, u, z, f, pull, level, float(wall), False)
+                rhs += 2 * count
+                roots += count
                 u_end, z_end, force = _step(t, part, u, z, f, pull)
                 u_end = level
             lost += band * abs(u_end - u)
-            t += part
+            if stops or wall != 0:
+                t, whole = t + part, False
+            else:
+                t, n, whole = n * length, n + 1, True
             u, z, f, known = u_end, z_end, force, True
             if wall != 0:
                 back = -restitution * z
@@ -176,10 +217,37 @@ def _run(
                 z, mode, known = 0.0, 0, False
                 events += 1
             if events > limit:
-                return energy, -1, rhs, taken, roots, u, z
+                return energy, -1, rhs, taken, roots, u, z, mode
         if k >= settle:
             energy += lost / average
-    return energy, events, rhs, taken, roots, u, z
+    return energy, events, rhs, taken, roots, u, z, mode
+
+
+@njit(cache=True, nogil=True)
+def _steady(
+    band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
+    settle: int, average: int,
+) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
+    """Cycle by cycle; last, the period with which a state recurs."""
+    history, losses = np.empty((HISTORY, 3)), np.empty(HISTORY)
+    energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
+    for now in range(settle + average):
+        back = find_recurrence(history, now, mode, u, z)
+        if back > 0:
+            energy = 0.0
+            for b in range(1, back + 1):
+                energy += losses[(now - b) % HISTORY] / back
+            return energy, events, rhs, taken, roots, u, z, back
+        k = now % HISTORY
+        history[k, 0], history[k, 1], history[k, 2] = mode, u, z
+        lost, found, more, steps, tries, u, z, mode = _run(band, play, restitution, gravity, mode, u, z, sine, 0, 1)
+        if found < 0:
+            return energy, -1, rhs, taken, roots, u, z, 0
+        losses[k] = lost
+        events, rhs, taken, roots = events + found, rhs + more, taken + steps, roots + tries
+        if now >= settle:
+            energy += lost / average
+    return energy, events, rhs, taken, roots, u, z, 0
 
 
 RK4 = Method(
