@@ -154,7 +154,8 @@ def _row(result: Result, empties: Mapping[tuple[Any, ...], Result]) -> dict[str,
         "s_W_exp": math.sqrt(math.fsum((w - exp.value) ** 2 for w in W) / (n - 1)) if n > 1 else None,
         "U_W_exp": exp.U, "k": exp.k, "nu": exp.nu,
         "W_net": None if empty is None else exp.value - empty.W_exp.value,
-        "W_detect": result.detect, "eta": result.mean("eta"), "M_eff": result.mean("M_eff"),
+        "W_detect": result.detect, "eta": result.loss.value, "U_eta": result.loss.U,
+        "M_eff": result.mass.value, "U_M_eff": result.mass.U,
         "force": result.mean("force_level"), "force_phase": result.mean("force_phase"),
         "thd_force": result.mean("thd_force"), "thd_acceleration": result.mean("thd_acceleration"),
         "thd_box": math.fsum(distortions) / n if len(distortions) == n else None,
@@ -232,6 +233,8 @@ def _agreement(results: Sequence[Result]) -> dict[str, Any]:
         return dict.fromkeys(names, None) | {"n": 0, "put_in": _put_in(predicted)} | on_record
     offsets = [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
     slope, line = line_through(comparable, origin=True), line_through(comparable)
+    if line is not None and not line.is_likely:
+        slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
     return {
         "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu,
         "slope": slope.slope.value if slope else None, "U_slope": slope.slope.U if slope else None,

@@ -19,6 +19,7 @@ from analysis.uncertainty import (
     certificate_lines,
     combine,
     difference_parts,
+    mass_and_loss,
     numerics_line,
     resolution_lines,
     scatter_line,
@@ -39,13 +40,16 @@ class Result:
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given. beyond: there is a prediction, but not for the level of a run.
+    the model's parameters; empty where none were given.
+    mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
     """
 
     setting: Setting
     runs: tuple[RunEnergy, ...]
     lines: tuple[Line, ...]
     W_exp: Estimate
+    mass: Estimate
+    loss: Estimate
     W_T: Estimate | None
     difference: Estimate | None
     chain: Estimate | None
@@ -109,11 +113,14 @@ def evaluate(
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise)
     return Result(
         setting=setting,
         runs=tuple(runs),
         lines=lines,
         W_exp=combine(W, [(line.part, line.nu) for line in lines]),
+        mass=mass,
+        loss=loss,
         W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
         difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
         chain=_chain(W, runs, (*noise_line, *certified)),

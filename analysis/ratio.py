@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate
@@ -18,6 +19,9 @@ __all__ = ["Fit", "energy_ratio", "line_through", "propagated", "recorded_ratio"
 
 Array = NDArray[np.float64]
 
+UNLIKELY = 1e-3
+"""Probability of a chi^2 below which no straight line is stated."""
+
 
 @dataclass(frozen=True, slots=True)
 class Fit:
@@ -28,12 +32,19 @@ class Fit:
     chi2: float
     dof: int
 
-    def row(self) -> dict[str, float | int]:
-        """The report's entry."""
-        return {
+    @property
+    def is_likely(self) -> bool:
+        """Whether a true line would show a chi^2 as large as this in at least UNLIKELY of all cases."""
+        return self.dof == 0 or float(chdtrc(self.dof, self.chi2)) >= UNLIKELY
+
+    def row(self) -> dict[str, float | int | None]:
+        """Return the report's entry; where no line is likely, chi^2 alone: its numbers would state a U they lack."""
+        told = {
             "slope": self.slope.value, "U_slope": self.slope.U, "intercept": self.intercept.value,
-            "U_intercept": self.intercept.U, "chi2": self.chi2, "dof": self.dof,
+            "U_intercept": self.intercept.U,
         }  # fmt: skip
+        numbers: dict[str, float | int | None] = {**told} if self.is_likely else dict.fromkeys(told)
+        return {**numbers, "chi2": self.chi2, "dof": self.dof}
 
 
 def energy_ratio(results: Sequence[Result]) -> Estimate | None:

@@ -16,7 +16,7 @@ from analysis.runs import ChannelFacts
 
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
-    "inputs_gain", "noise_at", "noise_of",
+    "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
     "numerics_line", "own_parts", "resolution_lines", "scatter_line",
 ]  # fmt: skip
 
@@ -29,7 +29,11 @@ ANGLE_RESOLUTION = 5e-6  # rad, standard uncertainty of the same between the two
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition."""
+    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition.
+
+    ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad, counted in the
+    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`).
+    """
 
     source: str
     unit: str
@@ -38,6 +42,8 @@ class Line:
     c: float
     c_T: float = 0.0
     shared: bool = True
+    ratio: float = 0.0
+    turn: float = 0.0
 
     @property
     def part(self) -> float:
@@ -75,39 +81,44 @@ def certificate_lines(
     """
     nT = exponent * W_T
     omega = 2 * math.pi * frequency
-    f_pole, a_pole = reactive * _turn(omega, force), -reactive * _turn(omega, acceleration)
+    f_turn, a_turn = _turn(omega, force), _turn(omega, acceleration)
     lines = [
-        Line("force sensitivity", "1", force.calibration_U / 2, CERTIFICATE_NU, W),
-        Line("acceleration sensitivity", "1", acceleration.calibration_U / 2, CERTIFICATE_NU, W, nT),
-        Line("force gain", "1", force.gain_tolerance / math.sqrt(3), math.inf, W),
-        Line("acceleration gain", "1", acceleration.gain_tolerance / math.sqrt(3), math.inf, W, nT),
-        Line("force pole (ln tau)", "1", _spread(force), math.inf, f_pole),
-        Line("acceleration pole (ln tau)", "1", _spread(acceleration), math.inf, a_pole),
-        *_coupling_lines(force, omega, W, 0.0, reactive),
-        *_coupling_lines(acceleration, omega, W, nT, -reactive),
+        Line("force sensitivity", "1", force.calibration_U / 2, CERTIFICATE_NU, W, ratio=1.0),
+        Line("acceleration sensitivity", "1", acceleration.calibration_U / 2, CERTIFICATE_NU, W, nT, ratio=-1.0),
+        Line("force gain", "1", force.gain_tolerance / math.sqrt(3), math.inf, W, ratio=1.0),
+        Line("acceleration gain", "1", acceleration.gain_tolerance / math.sqrt(3), math.inf, W, nT, ratio=-1.0),
+        Line("force pole (ln tau)", "1", _spread(force), math.inf, reactive * f_turn, turn=f_turn),
+        Line("acceleration pole (ln tau)", "1", _spread(acceleration), math.inf, -reactive * a_turn, turn=-a_turn),
+        *_coupling_lines(force, omega, W, 0.0, reactive, 1.0),
+        *_coupling_lines(acceleration, omega, W, nT, reactive, -1.0),
         Line(
             "skew",
             "rad",
             omega * math.hypot(*(c.skew_tolerance for c in (force, acceleration))) / math.sqrt(3),
             math.inf,
             reactive,
+            turn=1.0,
         ),
-        Line("force linearity", "1", _bend(force, amplitudes[0]), math.inf, W),
-        Line("acceleration linearity", "1", _bend(acceleration, amplitudes[1]), math.inf, W, nT),
+        Line("force linearity", "1", _bend(force, amplitudes[0]), math.inf, W, ratio=1.0),
+        Line("acceleration linearity", "1", _bend(acceleration, amplitudes[1]), math.inf, W, nT, ratio=-1.0),
         Line("clock", "1", max(force.clock_ppm, acceleration.clock_ppm) * 1e-6 / math.sqrt(3), math.inf, -2 * W),
     ]
     return tuple(line for line in lines if line.u > 0)
 
 
-def _coupling_lines(channel: ChannelFacts, omega: float, W: float, nT: float, reactive: float) -> tuple[Line, ...]:
+def _coupling_lines(
+    channel: ChannelFacts, omega: float, W: float, nT: float, reactive: float, sign: float
+) -> tuple[Line, ...]:
     """The scatter of an AC coupling's corner f_c = w_c/2 pi: it turns the channel and scales it by w/sqrt(w^2 + w_c^2).
-    One input quantity, so one line: dlnW = -(w_c^2/(w^2 + w_c^2)) and dphi = w w_c/(w^2 + w_c^2) per relative f_c."""
+    One input quantity, so one line: dlnW = -(w_c^2/(w^2 + w_c^2)) and dphi = w w_c/(w^2 + w_c^2) per relative f_c.
+    sign: 1 for the force, -1 for the acceleration."""
     if not channel.corner:
         return ()
     ratio = 2 * math.pi * channel.corner / omega
     scale, turn = -(ratio**2) / (1 + ratio**2), ratio / (1 + ratio**2)
     u = channel.corner_tolerance / math.sqrt(3)
-    return (Line(f"{channel.name} coupling", "1", u, math.inf, scale * W - turn * reactive, scale * nT),)
+    c = scale * W - sign * turn * reactive
+    return (Line(f"{channel.name} coupling", "1", u, math.inf, c, scale * nT, ratio=sign * scale, turn=-sign * turn),)
 
 
 def _bend(channel: ChannelFacts, amplitude: float) -> float:
@@ -160,14 +171,36 @@ def inputs_gain(force: ChannelFacts, acceleration: ChannelFacts, frequency: floa
 def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
     """What the arithmetic itself may be wrong by; it keeps comparisons of ideal instruments from dividing by zero."""
     return (
-        Line("arithmetic", "1", RESOLUTION, math.inf, W),
-        Line("arithmetic, angle", "rad", ANGLE_RESOLUTION, math.inf, reactive),
+        Line("arithmetic", "1", RESOLUTION, math.inf, W, ratio=1.0),
+        Line("arithmetic, angle", "rad", ANGLE_RESOLUTION, math.inf, reactive, turn=1.0),
     )
 
 
 def numerics_line(u_rel: float, W_T: float) -> tuple[Line, ...]:
     """The prediction's own numerics."""
     return (Line("prediction numerics", "1", u_rel, math.inf, 0.0, W_T),) if u_rel > 0 else ()
+
+
+def mass_and_loss(energies: Sequence[Energy], lines: Sequence[Line], u_noise: float) -> tuple[Estimate, Estimate]:
+    """Return apparent mass M (kg) and loss factor eta of a condition, means over its runs.
+
+    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments. With M + j M_i = F/A at the fundamental
+    and eta = -M_i/M, a relative change r of |F/A| and a turn t change M by r M - t eta M and eta by t (1 + eta^2).
+    Noise of the quadrature that makes W has an equal in the other, which makes M. A condition measured once has no
+    scatter: that noise then takes its place, as it does for W.
+    """
+    n = len(energies)
+    masses, losses = [one.M_eff for one in energies], [one.eta for one in energies]
+    M, eta = math.fsum(masses) / n, math.fsum(losses) / n
+    reactive = math.fsum(one.reactive for one in energies) / n
+    angle = u_noise / abs(reactive) if reactive else math.inf
+    shared = [line for line in lines if line.ratio or line.turn]
+    of_mass = [(line.u * (line.ratio - line.turn * eta) * M, line.nu) for line in shared]
+    of_loss = [(line.u * line.turn * (1 + eta**2), line.nu) for line in shared]
+    for values, parts, noise in ((masses, of_mass, angle * M), (losses, of_loss, angle * math.sqrt(1 + eta**2))):
+        scatter = scatter_line(values) or (Line(SCATTER, "1", abs(noise), math.inf, 1.0),)
+        parts += [(line.u, line.nu) for line in scatter]
+    return combine(M, of_mass), combine(eta, of_loss)
 
 
 def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:

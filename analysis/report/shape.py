@@ -50,7 +50,8 @@ CONDITION = Keys(
         _each("U_W_exp k", Number(0.0)),
         _each("W_exp", VALUE),
         _each("nu s_W_exp U_W_T U_offset U_W_coil U_W_T_recorded U_offset_recorded W_detect force thd_box", SIZE),
-        _each("W_net eta M_eff force_phase W_T W_f W_c W_T_paper bound exponent dKE_bed allowed_remainder", KNOWN),
+        _each("W_net eta U_eta M_eff U_M_eff force_phase W_T W_f W_c W_T_paper bound exponent dKE_bed", KNOWN),
+        _each("allowed_remainder", KNOWN),
         _each("offset E_n E_n_chain W_T_recorded offset_recorded E_n_recorded W_coil E_n_coil", KNOWN),
         _each("thd_force thd_acceleration", SIZE),
         {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
@@ -58,7 +59,7 @@ CONDITION = Keys(
     ),
     _each("W_T_low W_T_high E_n_model", KNOWN) | {"varied": Each(Text())},
 )
-LINE = Keys(_each("slope U_slope intercept U_intercept chi2 dof", VALUE), null=True)
+LINE = Keys(_each("slope U_slope intercept U_intercept", KNOWN) | _each("chi2 dof", VALUE), null=True)
 COMPARISON = Keys(_all(_each("comparison against why", Text()), _each("n within", Number(0, whole=True))))
 AGREEMENT = Keys(
     _all(

@@ -19,7 +19,7 @@ def conditions(report: Report) -> Table:
     """The table of conditions."""
     head = (
         "id", "grains", "fill, %", "a, m/s²", "W_exp ± U, mJ", "W_T ± U, mJ", "offset, %", "E_n", "E_n chain",
-        "detect, mJ", "eta", "M_eff, kg", "THD box, %", "bound, mJ",
+        "detect, mJ", "eta ± U", "M_eff ± U, kg", "THD box, %", "bound, mJ",
     )  # fmt: skip
     more = list(dict.fromkeys(name for row in report["conditions"] for name in row.get("varied", ())))
     head = (*head[:2], *more, *head[2:])
@@ -36,7 +36,7 @@ def conditions(report: Report) -> Table:
             Cell(row["id"]), Cell(f"{bed} {grains}".strip()), *also, fill, fixed(row["acceleration"], 3),
             with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
             with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
-            number(row["W_detect"], 2, 1e3), number(row["eta"]), number(row["M_eff"], 4),
+            number(row["W_detect"], 2, 1e3), with_U(row["eta"], row["U_eta"]), with_U(row["M_eff"], row["U_M_eff"]),
             number(row["thd_box"], 2, 100), number(row["bound"], 3, 1e3),
         ))  # fmt: skip
     note = (

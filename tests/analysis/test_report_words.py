@@ -9,6 +9,7 @@ from page_report import demo_report
 from analysis.claims import judge
 from analysis.estimate import Estimate
 from analysis.nulls import Null
+from analysis.ratio import Fit
 from analysis.references import Reference
 from analysis.report import wording
 from analysis.report.energy_figures import energy_plots
@@ -32,10 +33,12 @@ def test_nothing_put_in_is_no_percentage(report):
 
 def test_no_slope_where_no_line_fits(report):
     """chi^2 of 10 has p = 0.44 at 10 degrees of freedom, of 40 p = 2e-5 (tables)."""
+    one = Estimate.of(1.0, [(0.05, 50.0)])
     for chi2, told in ((10.0, "Slope through the origin 0.957"), (40.0, "No straight line describes")):
-        report["agreement"] |= {"slope": 0.957, "U_slope": 0.005}
-        report["agreement"]["line"] = {"slope": 1.0, "U_slope": 0.1, "intercept": 0.0, "U_intercept": 0.1,
-                                       "chi2": chi2, "dof": 10}  # fmt: skip
+        fit = Fit(one, one, chi2, 10)
+        stated = {"slope": 0.957, "U_slope": 0.005} if fit.is_likely else {"slope": None, "U_slope": None}
+        report["agreement"] |= {**stated, "line": fit.row()}
+        assert fit.is_likely == (fit.row()["slope"] is not None) == (chi2 == 10.0)
         assert any(told in text for text in wording.found(report))
 
 

@@ -1,5 +1,6 @@
 """GUM: Welch-Satterthwaite, coverage factors, the budget's lines, coverage of the stated intervals."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -25,6 +26,7 @@ from analysis.uncertainty import (
     angle_uncertainty,
     certificate_lines,
     combine,
+    mass_and_loss,
     noise_of,
     scatter_line,
 )
@@ -152,15 +154,37 @@ def test_certificate_lines_are_the_derivatives_of_the_energy():
     }
     h = 1e-3
     found = {
-        "force sensitivity": (energy(f_scale=1 + h).W - base.W) / h,
-        "acceleration sensitivity": (energy(a_scale=1 + h).W - base.W) / h,
-        "force pole (ln tau)": (energy(f_log=h).W - base.W) / h,
-        "acceleration pole (ln tau)": (energy(a_log=h).W - base.W) / h,
+        "force sensitivity": energy(f_scale=1 + h),
+        "acceleration sensitivity": energy(a_scale=1 + h),
+        "force pole (ln tau)": energy(f_log=h),
+        "acceleration pole (ln tau)": energy(a_log=h),
     }
-    for source, slope in found.items():
+    M, eta = base.M_eff, base.eta
+    for source, moved in found.items():
+        line = lines[source]
         # Second-order terms: h; the pole's change of amplitude, left out of the line: tan(phase) of it.
-        assert lines[source].c == pytest.approx(slope, rel=3e-2, abs=1e-3 * abs(base.W))
+        assert line.c == pytest.approx((moved.W - base.W) / h, rel=3e-2, abs=1e-3 * abs(base.W))
+        of_mass, of_loss = (line.ratio - line.turn * eta) * M, line.turn * (1 + eta**2)
+        assert of_mass == pytest.approx((moved.M_eff - M) / h, rel=3e-2, abs=1e-3 * M)
+        assert of_loss == pytest.approx((moved.eta - eta) / h, rel=3e-2, abs=1e-3 * eta)
     assert lines["acceleration gain"].u == pytest.approx(0.003 / math.sqrt(3))
+
+
+def test_mass_and_loss_scatter_as_their_noise_says():
+    """300 records with white noise: the standard deviations are known to 1/sqrt(600) = 4 %, three of them allowed."""
+    rng, noise, n, a0, mass, c = np.random.default_rng(5), (2.0, 0.02), 8 * 512, 5.0, 38.0, 4000.0
+    a, v = motion(drive_time(n, delay=0), a0)
+    signals = [(mass * a + c * v + noise[0] * f, a + noise[1] * g) for f, g in rng.standard_normal((300, 2, n))]
+    found = [dissipated_energy(force, own, 10240.0, FREQUENCY) for force, own in signals]
+    facts = [
+        dataclasses.replace(IDEAL[name], noise_rms=rms)
+        for name, rms in zip(("force", "acceleration"), noise, strict=True)
+    ]
+    M, eta = mass_and_loss(found[:1], (), noise_of(found[0], *facts, n))
+    assert np.std([one.M_eff for one in found]) == pytest.approx(M.u, rel=0.12)
+    assert np.std([one.eta for one in found]) == pytest.approx(eta.u, rel=0.12)
+    many = mass_and_loss(found, (), 0.0)
+    assert many[0].u == pytest.approx(np.std([one.M_eff for one in found], ddof=1) / math.sqrt(300))
 
 
 def test_ideal_instruments_have_no_lines_and_a_resolution_only():
