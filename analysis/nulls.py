@@ -9,14 +9,15 @@ would be fitted exactly.
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from analysis.estimate import Estimate
+from analysis.family import FAILS, Tested
 from analysis.runs import ChannelFacts, RunEnergy, Setting
-from analysis.uncertainty import angle_uncertainty, combine
+from analysis.uncertainty import angle_uncertainty, certificate_lines, combine, scatter_line
 
 __all__ = ["Null", "null_tests"]
 
@@ -26,7 +27,8 @@ LEVELS = 3
 @dataclass(frozen=True, slots=True)
 class Null:
     """A null test: "locked" or "carried" bed, or "loop-back" (analysis.loop_back); levels: of the drive, of a loop-back
-    its runs; dphi in rad, None without a fit; holds, does not hold or undecided; gain: of a loop-back, relative."""
+    its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U, undecided beyond,
+    until the family of all tests says that it does not hold (judged); tested: what it puts into that family."""
 
     null: str
     bed_mass: float
@@ -36,6 +38,11 @@ class Null:
     verdict: str
     why: str
     gain: Estimate | None = None
+    tested: tuple[Tested, ...] = ()
+
+    def judged(self, limit: float) -> "Null":
+        """The same, that does not hold where a score is beyond the family's critical one."""
+        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
     def row(self) -> dict[str, Any]:
         """The report's entry."""
@@ -100,14 +107,21 @@ def _test(
     holds = abs(dphi.value) <= dphi.U
     side = "within" if holds else "beyond"
     why = f"|angle| = {abs(dphi.value):.2g} rad is {side} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
-    return Null(kind, mass, frequency, len(levels), dphi, "holds" if holds else "does not hold", why)
+    shared = {
+        line.source: line.part
+        for line in certificate_lines(channels["force"], channels["acceleration"], frequency, 0.0, 1.0)
+    }
+    verdict = "holds" if holds else "undecided"
+    return Null(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Tested(dphi, shared),))
 
 
 def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
 
-    One least-squares fit to all runs of W / a, whose noise is even (the instruments' noise in W grows as a). The box's
-    own losses, in both, follow r a + p a^2 + q a^3 (rubbing, viscous, quadratic): no two runs need the same level.
+    One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
+    viscous, quadratic): no two runs need the same level. The noise of W / a is not even (refills scatter with W, the
+    accelerometer's noise works on the force): each condition brings its own scatter about the law, with its own
+    degrees of freedom. Where a condition was measured once nothing tells them apart, and one scatter serves for all.
     """
     runs = [*empty, *bonded]
     a = np.array([run.energy.level for run in runs])
@@ -116,8 +130,18 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     with_bed = np.array([0.0] * len(empty) + [1.0] * len(bonded))
     design = np.stack([np.ones_like(x), x, x * x, with_bed, with_bed * x], axis=1)
     z = np.array([run.energy.W for run in runs]) / a
-    solution = np.linalg.lstsq(design, z, rcond=None)[0]
+    to_z = np.linalg.pinv(design)
+    solution = to_z @ z
     residual = z - design @ solution
-    dof = len(runs) - design.shape[1]
-    variance = float(residual @ residual) / dof * float(np.linalg.pinv(design.T @ design)[4, 4])
-    return Estimate(float(solution[4]) / top, math.sqrt(variance) / top, float(dof))
+    weight = to_z[4] / top
+    groups: dict[str, list[int]] = defaultdict(list)
+    for place, run in enumerate(runs):
+        groups[run.condition].append(place)
+    if min(map(len, groups.values())) > 1:
+        scatter = [(float(np.linalg.norm(weight[g])), scatter_line(residual[g].tolist())[0], len(g))
+                   for g in groups.values()]  # fmt: skip
+        parts = [(reach * line.u * math.sqrt(count), line.nu) for reach, line, count in scatter]
+    else:
+        dof = len(runs) - design.shape[1]
+        parts = [(float(np.linalg.norm(weight)) * math.sqrt(float(residual @ residual) / dof), float(dof))]
+    return combine(float(solution[4]) / top, parts)
