@@ -17,11 +17,12 @@ import numpy as np
 from analysis.estimate import Estimate
 from analysis.family import FAILS, Tested
 from analysis.runs import ChannelFacts, RunEnergy, Setting
-from analysis.uncertainty import angle_uncertainty, certificate_lines, combine, scatter_line
+from analysis.uncertainty import ANGLE_RESOLUTION, angle_uncertainty, certificate_lines, combine
 
 __all__ = ["Null", "null_tests"]
 
 LEVELS = 3
+ROUNDS = 5  # of fit and law of variance in turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,9 +120,9 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
 
     One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
-    viscous, quadratic): no two runs need the same level. The noise of W / a is not even (refills scatter with W, the
-    accelerometer's noise works on the force): each condition brings its own scatter about the law, with its own
-    degrees of freedom. Where a condition was measured once nothing tells them apart, and one scatter serves for all.
+    viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise comes
+    a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the residuals and
+    its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
     """
     runs = [*empty, *bonded]
     a = np.array([run.energy.level for run in runs])
@@ -130,18 +131,19 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     with_bed = np.array([0.0] * len(empty) + [1.0] * len(bonded))
     design = np.stack([np.ones_like(x), x, x * x, with_bed, with_bed * x], axis=1)
     z = np.array([run.energy.W for run in runs]) / a
-    to_z = np.linalg.pinv(design)
-    solution = to_z @ z
-    residual = z - design @ solution
-    weight = to_z[4] / top
-    groups: dict[str, list[int]] = defaultdict(list)
-    for place, run in enumerate(runs):
-        groups[run.condition].append(place)
-    if min(map(len, groups.values())) > 1:
-        scatter = [(float(np.linalg.norm(weight[g])), scatter_line(residual[g].tolist())[0], len(g))
-                   for g in groups.values()]  # fmt: skip
-        parts = [(reach * line.u * math.sqrt(count), line.nu) for reach, line, count in scatter]
-    else:
-        dof = len(runs) - design.shape[1]
-        parts = [(float(np.linalg.norm(weight)) * math.sqrt(float(residual @ residual) / dof), float(dof))]
-    return combine(float(solution[4]) / top, parts)
+    dof = len(runs) - design.shape[1]
+    own = np.array([run.u_noise**2 + (ANGLE_RESOLUTION * run.energy.reactive) ** 2 for run in runs])
+    share = 0.0  # variance of W over its square, beside the instruments' noise
+    variance = np.ones_like(a)
+    for _ in range(ROUNDS):
+        weight = 1 / np.sqrt(variance)
+        to_z = np.linalg.pinv(design * weight[:, None]) * weight
+        solution = to_z @ z
+        residual, W = z - design @ solution, design @ solution * a
+        beyond = (residual * a) ** 2 * len(runs) / dof - own
+        trust = (W / (own + share * W**2)) ** 2  # a square scatters as its own expectation
+        share = max(0.0, float(trust @ beyond) / float(trust @ W**2))
+        variance = (own + share * W**2) / a**2
+    scale = float((residual * weight) @ (residual * weight)) / dof
+    u = float(np.linalg.norm(to_z[4] / weight)) * math.sqrt(scale)
+    return Estimate(float(solution[4]) / top, u / top, float(dof))
