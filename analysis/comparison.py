@@ -76,7 +76,8 @@ def agreement(
     nulls = null_tests(settings, grouped, channels) + loop_back_nulls(loop_backs, channels)
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
-    tests = [test for one in (*nulls, *known) for test in one.tested]
+    tests = [test for null in nulls for test in null.tested]
+    tests += [test for reference in known for test in reference.tested]
     limit = critical_score([*tests, *sign_tests(results)], chain_tests(results))
     nulls = tuple(null.judged(limit) for null in nulls)
     known = tuple(reference.judged(limit) for reference in known)

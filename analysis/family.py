@@ -1,9 +1,9 @@
 """One session is one family of tests: a healthy rig fails any of them, together, in at most 5 % of the sessions.
 
-Each test alone would be wrong in 5 %, some of them nearly always together, because all see one draw of the same sensors.
-So the critical value is that of the largest of them all: tests are normal scores that share what the instruments share,
-and the share of joint draws in which the largest exceeds it is 5 %. What is not known to be shared counts as apart: that
-makes the critical value larger, never smaller (Sidak, J. Am. Stat. Assoc. 62, 626 (1967)).
+Each test alone would be wrong in 5 %, some nearly always together, because all see one draw of the same sensors. So the
+critical value is that of the largest of them all: tests are normal scores that share what the instruments share, and
+the share of joint draws in which the largest exceeds it is 5 %. What is not known to be shared counts as apart: among
+two-sided tests that makes the critical value larger, never smaller (Sidak, J. Am. Stat. Assoc. 62, 626 (1967)).
 """
 
 import math
@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate, coverage_factor
@@ -31,8 +32,8 @@ SEED = 1
 
 @dataclass(frozen=True, slots=True)
 class Tested:
-    """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties from inputs that other
-    tests share, signed, by the input's name, in the unit of `found`."""
+    """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties from inputs that
+    other tests share, signed, by the input's name, in the unit of `found`."""
 
     found: Estimate
     shared: Mapping[str, float]
@@ -68,11 +69,11 @@ def critical_score(tests: Sequence[Tested], chain: Sequence[Tested] = ()) -> flo
     names = sorted({name for test in (*tests, *chain) for name in test.shared})
     inputs = rng.standard_normal((DRAWS, len(names)))
 
-    def drawn(test: Tested) -> np.ndarray:
+    def drawn(test: Tested) -> NDArray[np.float64]:
         load = np.array([test.shared.get(name, 0.0) for name in names]) / (test.found.u or 1.0)
         own = math.sqrt(max(0.0, 1.0 - float(load @ load)))
         score = inputs @ load + own * rng.standard_normal(DRAWS)
-        return score if test.one_sided else np.abs(score)
+        return -score if test.one_sided else np.abs(score)
 
     most = np.full(DRAWS, -np.inf)
     for test in tests:

@@ -28,8 +28,8 @@ ROUNDS = 5  # of fit and law of variance in turn
 @dataclass(frozen=True, slots=True)
 class Null:
     """A null test: "locked" or "carried" bed, or "loop-back" (analysis.loop_back); levels: of the drive, of a loop-back
-    its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U, undecided beyond,
-    until the family of all tests says that it does not hold (judged); tested: what it puts into that family."""
+    its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U, undecided
+    beyond, until the family of all tests says that it does not hold (judged); tested: what it puts into that family."""
 
     null: str
     bed_mass: float
@@ -120,8 +120,8 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
 
     One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
-    viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise comes
-    a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the residuals and
+    viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise
+    comes a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the residuals and
     its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
     """
     runs = [*empty, *bonded]

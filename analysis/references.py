@@ -27,8 +27,8 @@ NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is ne
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels) or "signs" (nothing measured).
-    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged); tested:
-    what it puts into that family."""
+    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
+    tested: what it puts into that family."""
 
     reference: str
     of: str

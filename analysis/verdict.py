@@ -32,8 +32,8 @@ FAULTS = {
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions whose chain is within the limit;
-    failures: the sentences of the checks that failed."""
+    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within the family's bound
+    of the chain; failures: the sentences of the checks that failed."""
 
     verdict: str
     reasons: tuple[str, ...]
@@ -50,8 +50,8 @@ def verdict(
     sweeps: Sequence[Mapping[str, Any]] = (),
     limit: float = ALONE,
 ) -> Verdict:
-    """Judge a session; sweeps: of runs that state no energy; limit: critical score of the family of tests. A check that the record cannot answer (no truth, no null
-    test) is said and fails nothing."""
+    """Judge a session; sweeps: of runs that state no energy; limit: critical score of the family of tests. A check
+    that the record cannot answer (no truth, no null test) is said and fails nothing."""
     chain = [test.score <= limit for test in chain_tests(results)]
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]

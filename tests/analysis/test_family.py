@@ -10,7 +10,8 @@ from analysis.estimate import Estimate
 from analysis.family import ALONE, Tested, critical_score, needed
 
 # The critical score is the 95 % quantile of 10 000 draws: its probability has a standard deviation of
-# sqrt(.05 .95/10000) = .0022, and with the density of a normal score there (2 phi(1.96) = .117 a unit) 4 of them are .075.
+# sqrt(.05 .95/10000) = .0022, and with the density of a normal score there
+# (2 phi(1.96) = .117 a unit) 4 of them are .075.
 NEAR = 0.075
 
 

@@ -3,14 +3,13 @@
 `PYTHONPATH=. python tests/road/test_verdict_family.py 400` prints how often, with the checks that failed.
 """
 
-import math
 import sys
 from collections import Counter
-from dataclasses import replace
 from typing import Any
 
 import pytest
 from memory_session import MemoryRecord, Plan
+from scipy import stats
 
 from analysis import read_session, run_energy
 
@@ -63,6 +62,43 @@ def failures(plan: Plan, count: int, first: int = 1) -> tuple[int, Counter[str]]
         failed += report["verdict"] == "fails"
         checks.update(sentence[:60] for sentence in report["failures"])
     return failed, checks
+
+
+def allowed(count: int, chance: float) -> int:
+    """The most failures of so many sessions that a true share of FAILING exceeds with less than this chance."""
+    return int(stats.binom.ppf(1 - chance, count, FAILING))
+
+
+def test_a_healthy_light_box_passes() -> None:
+    failed, checks = failures(Plan.of(HEALTHY["light box, once"]), 40)
+    assert failed <= allowed(40, 1e-3), checks
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HEALTHY)
+def test_healthy_rigs_pass_in_400_sessions(name: str) -> None:
+    """At most 29 of 400: exceeded by a true share of 5 % with a chance of 2 %."""
+    failed, checks = failures(Plan.of(HEALTHY[name]), 400)
+    assert failed <= 29, checks
+
+
+MISTAKES = ("{skew: 1}", "{pole: 0.5}")  # 12.6 and 5 mrad at 20 Hz
+
+
+def found(mistake: str, count: int) -> int:
+    """Sessions with a mistake that fail, of so many."""
+    return failures(Plan.of(text(ROWS, BEDS, settle=10) + f"mistake: {mistake}\n"), count)[0]
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_found(mistake: str) -> None:
+    assert found(mistake, 4) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_found_in_95_of_100_sessions(mistake: str) -> None:
+    assert found(mistake, 100) >= 95
 
 
 def main(count: int, names: list[str]) -> None:
