@@ -121,8 +121,8 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
 
     One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
     viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise
-    comes a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the residuals and
-    its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
+    comes a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the
+    residuals and its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
     """
     runs = [*empty, *bonded]
     a = np.array([run.energy.level for run in runs])
