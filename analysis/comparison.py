@@ -9,16 +9,17 @@ from analysis.causes import causes
 from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
 from analysis.estimate import Estimate
+from analysis.family import CHAIN_SHARE, chain_tests, critical_score, sign_tests
 from analysis.loop_back import LoopBack, loop_back_nulls
 from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, line_through, propagated, recorded_ratio
 from analysis.recorded import Recorded
-from analysis.references import references
+from analysis.references import references, signs
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.three_comparisons import comparisons, model_row
-from analysis.verdict import CHAIN_SHARE, verdict
+from analysis.verdict import verdict
 from analysis.waveforms import waveforms
 
 __all__ = ["agreement"]
@@ -75,7 +76,13 @@ def agreement(
     nulls = null_tests(settings, grouped, channels) + loop_back_nulls(loop_backs, channels)
     ledger = {"closure_max": _closure(results)}
     known = references(results, channels)
-    judged = verdict(results, nulls, known, ledger["closure_max"], left_out, sweeps)
+    tests = [test for null in nulls for test in null.tested]
+    tests += [test for reference in known for test in reference.tested]
+    limit = critical_score([*tests, *sign_tests(results)], chain_tests(results))
+    nulls = tuple(null.judged(limit) for null in nulls)
+    known = tuple(reference.judged(limit) for reference in known)
+    known = (signs(results, limit), *known) if results else ()
+    judged = verdict(results, nulls, known, ledger["closure_max"], left_out, sweeps, limit)
     seen = [r.setting for r in results] + [settings[one["condition"]] for one in sweeps]
     ideal = synthetic and all(setting.drive == "servo" for setting in seen)
     report = {

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from analysis.cycles import Window, on_grid
 from analysis.energy import harmonics
 from analysis.estimate import Estimate
+from analysis.family import Tested
 from analysis.nulls import Null
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunFacts
 from analysis.uncertainty import ANGLE_RESOLUTION, RESOLUTION, combine, inputs_angle, inputs_gain, scatter_line
@@ -83,8 +84,9 @@ def loop_back_nulls(found: Sequence[LoopBack], channels: Mapping[str, ChannelFac
             f"the inputs differ by {dphi.value:.2g} rad (measured to {angle.U:.1g} rad; the certificates allow "
             f"{dphi.U:.2g}) and by {100 * ratio.value:.2g} % of gain (to {100 * gain.U:.1g}; {100 * ratio.U:.2g})"
         )
-        verdict = "holds" if holds else "does not hold"
-        nulls.append(Null("loop-back", 0.0, frequency, len(ones), dphi, verdict, why, ratio))
+        verdict = "holds" if holds else "undecided"
+        tested = (Tested(dphi, {}), Tested(ratio, {}))
+        nulls.append(Null("loop-back", 0.0, frequency, len(ones), dphi, verdict, why, ratio, tested))
     return tuple(nulls)
 
 

@@ -9,24 +9,27 @@ would be fitted exactly.
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from analysis.estimate import Estimate
+from analysis.family import FAILS, Tested
 from analysis.runs import ChannelFacts, RunEnergy, Setting
-from analysis.uncertainty import angle_uncertainty, combine
+from analysis.uncertainty import ANGLE_RESOLUTION, angle_uncertainty, certificate_lines, combine
 
 __all__ = ["Null", "null_tests"]
 
 LEVELS = 3
+ROUNDS = 5  # of fit and law of variance in turn
 
 
 @dataclass(frozen=True, slots=True)
 class Null:
     """A null test: "locked" or "carried" bed, or "loop-back" (analysis.loop_back); levels: of the drive, of a loop-back
-    its runs; dphi in rad, None without a fit; holds, does not hold or undecided; gain: of a loop-back, relative."""
+    its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U, undecided
+    beyond, until the family of all tests says that it does not hold (judged); tested: what it puts into that family."""
 
     null: str
     bed_mass: float
@@ -36,6 +39,11 @@ class Null:
     verdict: str
     why: str
     gain: Estimate | None = None
+    tested: tuple[Tested, ...] = ()
+
+    def judged(self, limit: float) -> "Null":
+        """The same, that does not hold where a score is beyond the family's critical one."""
+        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
     def row(self) -> dict[str, Any]:
         """The report's entry."""
@@ -100,14 +108,21 @@ def _test(
     holds = abs(dphi.value) <= dphi.U
     side = "within" if holds else "beyond"
     why = f"|angle| = {abs(dphi.value):.2g} rad is {side} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
-    return Null(kind, mass, frequency, len(levels), dphi, "holds" if holds else "does not hold", why)
+    shared = {
+        line.source: line.part
+        for line in certificate_lines(channels["force"], channels["acceleration"], frequency, 0.0, 1.0)
+    }
+    verdict = "holds" if holds else "undecided"
+    return Null(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Tested(dphi, shared),))
 
 
 def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
 
-    One least-squares fit to all runs of W / a, whose noise is even (the instruments' noise in W grows as a). The box's
-    own losses, in both, follow r a + p a^2 + q a^3 (rubbing, viscous, quadratic): no two runs need the same level.
+    One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
+    viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise
+    comes a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the
+    residuals and its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
     """
     runs = [*empty, *bonded]
     a = np.array([run.energy.level for run in runs])
@@ -116,8 +131,19 @@ def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
     with_bed = np.array([0.0] * len(empty) + [1.0] * len(bonded))
     design = np.stack([np.ones_like(x), x, x * x, with_bed, with_bed * x], axis=1)
     z = np.array([run.energy.W for run in runs]) / a
-    solution = np.linalg.lstsq(design, z, rcond=None)[0]
-    residual = z - design @ solution
     dof = len(runs) - design.shape[1]
-    variance = float(residual @ residual) / dof * float(np.linalg.pinv(design.T @ design)[4, 4])
-    return Estimate(float(solution[4]) / top, math.sqrt(variance) / top, float(dof))
+    own = np.array([run.u_noise**2 + (ANGLE_RESOLUTION * run.energy.reactive) ** 2 for run in runs])
+    share = 0.0  # variance of W over its square, beside the instruments' noise
+    variance = np.ones_like(a)
+    for _ in range(ROUNDS):
+        weight = 1 / np.sqrt(variance)
+        to_z = np.linalg.pinv(design * weight[:, None]) * weight
+        solution = to_z @ z
+        residual, W = z - design @ solution, design @ solution * a
+        beyond = (residual * a) ** 2 * len(runs) / dof - own
+        trust = (W / (own + share * W**2)) ** 2  # a square scatters as its own expectation
+        share = max(0.0, float(trust @ beyond) / float(trust @ W**2))
+        variance = (own + share * W**2) / a**2
+    scale = float((residual * weight) @ (residual * weight)) / dof
+    u = float(np.linalg.norm(to_z[4] / weight)) * math.sqrt(scale)
+    return Estimate(float(solution[4]) / top, u / top, float(dof))

@@ -8,17 +8,17 @@ acceleration of the size that was set.
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate
+from analysis.family import FAILS, Tested, sign_tests
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.uncertainty import RESOLUTION, certificate_lines, combine, resolution_lines, scatter_line
 
-__all__ = ["Reference", "references"]
+__all__ = ["Reference", "references", "signs"]
 
-BEYOND = 1.5  # |difference| / U from which a reference does not hold: 3 standard uncertainties at k = 2
 SWAPPED = "force and acceleration seem swapped"
 REVERSED = "a sign is reversed: the apparent mass is negative"
 NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is negative"
@@ -27,7 +27,8 @@ NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is ne
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels) or "signs" (nothing measured).
-    verdict: holds within U, does not hold beyond BEYOND times U, undecided between."""
+    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
+    tested: what it puts into that family."""
 
     reference: str
     of: str
@@ -37,16 +38,19 @@ class Reference:
     U: float | None
     verdict: str
     why: str
+    tested: tuple[Tested, ...] = ()
+
+    def judged(self, limit: float) -> "Reference":
+        """The same, that does not hold where a score is beyond the family's critical one."""
+        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
     def row(self) -> dict[str, Any]:
         """The report's entry."""
-        return {name: getattr(self, name) for name in self.__slots__}
+        return {name: getattr(self, name) for name in self.__slots__ if name != "tested"}
 
 
 def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:
-    """All references that the conditions allow; the signs always, where there is a run."""
-    if not results:
-        return ()
+    """All references that the conditions allow, but the signs."""
     rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     damped: dict[tuple[float, float], list[Result]] = defaultdict(list)
     empty = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
@@ -59,18 +63,21 @@ def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
         elif setting.bed == "dashpot" and setting.dashpot_c is not None:
             damped[setting.dashpot_c, setting.frequency].append(result)
     return (
-        _signs(results),
         *(_mass(of, found, channels) for (of, *_), found in rigid.items()),
         *(_dashpot(c, found, empty, channels) for (c, _), found in damped.items()),
     )
 
 
-def _judged(reference: str, of: str, unit: str, value: float, expected: float, u: Estimate, note: str) -> Reference:
+def _held(
+    reference: str, of: str, unit: str, value: float, expected: float, u: Estimate, note: str,
+    shared: Mapping[str, float],
+) -> Reference:  # fmt: skip
     share = abs(value - expected) / u.U
-    verdict = "holds" if share <= 1 else "does not hold" if share > BEYOND else "undecided"
+    verdict = "holds" if share <= 1 else "undecided"
     side = "within" if share <= 1 else "beyond"
     why = f"{value:.5g} {unit} against {expected:.5g} {unit}, {side} U = {u.U:.2g} {unit}{note}"
-    return Reference(reference, of, unit, value, expected, u.U, verdict, why)
+    tested = (Tested(replace(u, value=value - expected), shared),)
+    return Reference(reference, of, unit, value, expected, u.U, verdict, why, tested)
 
 
 def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
@@ -80,11 +87,12 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
     force, acceleration = channels["force"], channels["acceleration"]
     # F/a: of W's budget for one joule the force scales it by +1, the acceleration by 1 - n with n = 2.
     lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0, mean, 2.0)
-    scales = [(line.part - line.part_T, line.nu) for line in lines if line.source != "clock"]
+    scales = {line.source: (line.part - line.part_T, line.nu) for line in lines if line.source != "clock"}
     scatter = [(line.part, line.nu) for line in scatter_line(masses)]
-    u = combine(mean, [*scales, *scatter, (RESOLUTION * mean, math.inf)])
+    u = combine(mean, [*scales.values(), *scatter, (RESOLUTION * mean, math.inf)])
     expected = setting.box_mass + setting.gauge_mass + setting.bed_mass
-    return _judged("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs)")
+    shared = {source: part for source, (part, _) in scales.items()}
+    return _held("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs)", shared)
 
 
 def _dashpot(
@@ -111,10 +119,9 @@ def _dashpot(
         [*((line.part - line.part_T, line.nu) for line in lines), *((line.part / n, line.nu) for line in scatter)],
     )
     note = "; the empty box's is taken off" if whole else "; no empty box was measured at every one of its levels"
-    found = _judged("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note)
-    if found.verdict == "does not hold" and not whole:  # the box's own losses are in it
-        return Reference(**{**found.row(), "verdict": "undecided"})
-    return found
+    shared = {line.source: line.part - line.part_T for line in lines}
+    found = _held("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note, shared)
+    return found if whole else replace(found, tested=())  # without: the box's own losses are in it
 
 
 def _less(result: Result, tare: Result | None, name: str) -> float:
@@ -123,11 +130,12 @@ def _less(result: Result, tare: Result | None, name: str) -> float:
     return own if tare is None else own - tare.mean(name) * (result.mean("level") / tare.mean("level")) ** 2
 
 
-def _signs(results: Sequence[Result]) -> Reference:
+def signs(results: Sequence[Result], limit: float) -> Reference:
+    """The signs of at least one condition; limit: critical score of the family, for energies below zero."""
     runs = [(run, result.setting) for result in results for run in result.runs]
     swapped = [run.run for run, setting in runs if _swapped(run, setting)]
     negative = [run.run for run, _ in runs if run.energy.M_eff < 0]
-    late = [r.setting.id for r in results if r.W_exp.value < -max(r.detect, r.W_exp.U)]
+    late = [r.setting.id for r, test in zip(results, sign_tests(results), strict=True) if test.score > limit]
     why = "masses and energies are positive, force and acceleration of the size that was set"
     verdict = "does not hold" if swapped or negative or late else "holds"
     if swapped:

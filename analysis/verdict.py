@@ -5,17 +5,17 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from analysis.conditions import Result
+from analysis.family import ALONE, chain_tests, needed
 from analysis.nulls import Null
 from analysis.prediction import BEYOND
 from analysis.quality import SUSPECT
 from analysis.references import Reference
 from analysis.words import counted
 
-__all__ = ["CHAIN_SHARE", "Verdict", "verdict"]
+__all__ = ["Verdict", "verdict"]
 
 CLOSES = {"servo": 1e-9, "coupled": 1e-6}  # largest closure of an account that closes, relative, by drive
 SHOWN = 5  # conditions named in a sentence
-CHAIN_SHARE = 0.9  # share of the conditions in which |E_n_chain| <= 1 is needed
 NOT_REACHED = "level_not_reached"  # with what stopped the level: level_not_reached_voltage
 FAULTS = {
     "clipped",
@@ -32,8 +32,8 @@ FAULTS = {
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within |E_n_chain| <= 1;
-    failures: the sentences of the checks that failed."""
+    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within the family's bound
+    of the chain; failures: the sentences of the checks that failed."""
 
     verdict: str
     reasons: tuple[str, ...]
@@ -48,17 +48,18 @@ def verdict(
     closure: float | None,
     left_out: Sequence[Mapping[str, str]],
     sweeps: Sequence[Mapping[str, Any]] = (),
+    limit: float = ALONE,
 ) -> Verdict:
-    """Judge a session; sweeps: of runs that state no energy. A check that the record cannot answer (no truth, no null
-    test) is said and fails nothing."""
-    chain = [abs(r.chain.value) <= r.chain.U for r in results if r.chain is not None]
+    """Judge a session; sweeps: of runs that state no energy; limit: critical score of the family of tests. A check
+    that the record cannot answer (no truth, no null test) is said and fails nothing."""
+    chain = [test.score <= limit for test in chain_tests(results)]
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     faulted += [str(one["run"]) for one in sweeps if _faulted(one["flags"])]
     why = "the record holds no truth" if results else "a sweep states no energy" if sweeps else "no run can be used"
     checks = [
         _ledger(results, closure, why), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
-        _chain(chain, share, why), _repeats(results), _beyond(results),
+        _chain(chain, limit, why), _repeats(results), _beyond(results),
         (bool(results or sweeps), "" if results or sweeps else "No run can be used."), _sweeps(len(sweeps)),
     ]  # fmt: skip
     if not nulls:
@@ -151,12 +152,13 @@ def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tu
     return True, "No run is overloaded or faulted."
 
 
-def _chain(chain: Sequence[bool], share: float | None, why: str) -> tuple[bool, str]:
-    if share is None:
+def _chain(chain: Sequence[bool], limit: float, why: str) -> tuple[bool, str]:
+    if not chain:
         return True, f"The chain comparison is not made: {why}."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
-    shared = "The instruments' error is common to all of them: this is one draw, outside its U in 1 of 20 sessions."
-    return share >= CHAIN_SHARE, f"{inside} (|E_n| <= 1; {100 * CHAIN_SHARE:.0f} % are needed). {shared}"
+    shared = "All tests of a session together fail a healthy rig in at most 1 of 20 sessions."
+    bound = f"within {limit / ALONE:.2f} U; {needed(len(chain))} are needed"
+    return sum(chain) >= needed(len(chain)), f"{inside} ({bound}). {shared}"
 
 
 def _sweeps(count: int) -> tuple[bool, str]:

@@ -1,12 +1,15 @@
 """Null tests find an injected angle, and nothing where there is none."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from analytic_record import NOMINAL, OMEGA, Bench, condition, session
+from analytic_record import IDEAL, NOMINAL, OMEGA, Bench, condition, session
 
 from analysis import read_session
+from analysis.nulls import null_tests
+from analysis.runs import Setting
 
 LEVELS = (2.0, 3.0, 4.0, 5.0)
 DELTA = 38.1
@@ -87,3 +90,25 @@ def test_single_runs_decide_with_few_degrees_of_freedom():
     (found,) = nulls(table(LEVELS[:3], bed="locked"), Bench(repeats=1, noise=(0.5, 0.01)))
     assert found["nu"] < 2
     assert found["k"] > 4
+
+
+@pytest.mark.parametrize("repeats", [2, 4, 8])
+def test_scatter_that_grows_with_W_is_no_angle(repeats):
+    """A light bed in a box whose loss scatters by 5 %, W about 2e-5 a^2: with an even scatter assumed, U is too small
+    for what the largest level does. U holds zero in 95 % of 600 draws, within 4 standard deviations."""
+    rng, draws, outside = np.random.default_rng(7), 600, 0
+    entries = {entry["id"]: entry for entry in table((1.0, 3.0, 5.0), bed="locked")}
+    entries = {name: {**entry, "bed_mass": 0.14 * (entry["bed_mass"] > 0)} for name, entry in entries.items()}
+    settings = {name: Setting.of(entry) for name, entry in entries.items()}
+    for _ in range(draws):
+        runs = {}
+        for name, setting in settings.items():
+            a = setting.acceleration_set
+            W = 2e-5 * a**2 * (1 + 0.05 * rng.standard_normal(repeats)) + 1e-8 * a * rng.standard_normal(repeats)
+            runs[name] = [
+                SimpleNamespace(condition=name, u_noise=1e-8 * a, energy=SimpleNamespace(level=a, W=w, reactive=0.0))
+                for w in W
+            ]
+        (null,) = null_tests(settings, runs, IDEAL)
+        outside += abs(null.dphi.value) > null.dphi.U
+    assert outside <= draws * 0.05 + 4 * math.sqrt(draws * 0.05 * 0.95)
