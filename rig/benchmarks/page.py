@@ -32,7 +32,8 @@ A slider is one row of grains: a mass in a box that moves as a sine, with fricti
 weight. All methods get the same ones from the same start; the error is that of the energy per cycle in the steady
 state, against closed forms or (e > 0, lid) closed flights with root finding of their own
 (`rig/benchmarks/reference.py`). All have the same right-hand side; fixed steps take its sines from a table,
-except in the short steps that lead from an event back to the grid. Compiled methods follow up to 4096 cycles or 200,000 steps, of which what they set up once is
+except in the short steps that lead from an event back to the grid.
+Compiled methods follow up to 4096 cycles or 200,000 steps, of which what they set up once is
 a small part, `solve_ivp` the settling and two more cycles; times are per cycle, none stops early where a state recurs.
 What a method costs at an error is read from its curve, log time
 over log error; a coarse setting counts with the largest error of all finer ones, because nobody can know where errors
