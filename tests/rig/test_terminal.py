@@ -65,7 +65,7 @@ REPORT = {
         }
         for n in range(3)
     ],
-    "claims": [], "agreement": {"ratio": 1.0789, "U_ratio": 0.0123, "k": 2.0, "nu": None, "slope": None,
+    "claims": [], "agreement": {"ratio": 1.0789, "U_ratio": 0.0123, "k": 2.0, "nu": None, "slope": None, "line": None,
                                    "put_in": 0.05, "mean_offset": 0.07, "n": 3},
     "waveform": "ideal", "tests": "chain", "flags": [], "verdict": "passes", "reasons": ["short"],
 }  # fmt: skip

@@ -114,8 +114,8 @@ def test_a_simulated_session_against_an_imported_one(
     runs = ", ".join(f"{{file: {run['run']}.csv}}" for run in row["runs"])
     (tmp_path / "map.yaml").write_text(
         "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
-        f"force: {{channel: {json.dumps(head[0])}, time_constant: 2000 s}}\n"
-        f"acceleration: {{channel: {json.dumps(head[1])}, time_constant: 1.6 s}}\n"
+        f"force: {{channel: {json.dumps(head[0])}}}\n"
+        f"acceleration: {{channel: {json.dumps(head[1])}}}\n"
         f"condition: {{id: lab, material: stainless, diameter: 8 mm{level}}}\n"
         f"runs: [{runs}]\n"
     )
@@ -145,8 +145,8 @@ def test_what_a_violent_bed_does_not_repeat_is_not_the_quiet_records_noise(
     runs = "".join(f"  - {{file: {one['run']}.csv, condition: {{id: {one['condition']['id']}}}}}\n" for one in facts)
     (tmp_path / "map.yaml").write_text(
         "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
-        f"force: {{channel: {json.dumps(head[0])}, time_constant: 2000 s}}\n"
-        f"acceleration: {{channel: {json.dumps(head[1])}, time_constant: 1.6 s}}\nruns:\n{runs}"
+        f"force: {{channel: {json.dumps(head[0])}}}\n"
+        f"acceleration: {{channel: {json.dumps(head[1])}}}\nruns:\n{runs}"
     )
     done = rig_command("import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab")
     assert done.returncode == 0, done.stdout + done.stderr
