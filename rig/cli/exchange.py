@@ -1,6 +1,5 @@
 """`rig export` and `rig import`: other tools' files."""
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,9 @@ from daq.formats.uff58 import write_uff58
 from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
+from daq.strange_text import json_text
 from daq.whole_files import write_whole
-from rig.cli.output import PASSES, print_json, print_result
+from rig.cli.output import PASSES, print_json, print_result, say
 from rig.cli.progress import progress
 from rig.cli.sessions import session_file
 from rig.cli.watch import open_watched
@@ -38,7 +38,7 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, ra
         written: list[str] = []
         for info in runs:
             file = out if out is not None and run is not None else (out or path.parent / "export") / info.name
-            file = file if out is not None and run is not None else file.with_suffix(SUFFIXES[to])
+            file = file if out is not None and run is not None else file.with_name(file.name + SUFFIXES[to])
             file.parent.mkdir(parents=True, exist_ok=True)
             _write(file, to, record, info, raw)
             written.append(str(file))
@@ -47,7 +47,7 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, ra
         print_json({"written": written})
         return
     for name in written:
-        print(name)
+        say(name)
 
 
 def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool, as_json: bool) -> int:
@@ -98,7 +98,7 @@ def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> Non
         write_mat(path, waves, document)
     else:
         write_sep005(path, waves)
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json_text(document) + "\n"
     write_whole(sidecar_of(path), text)
 
 
