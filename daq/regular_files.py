@@ -2,8 +2,8 @@
 
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 __all__ = ["NotRegular", "kind_of_place", "open_regular"]
 
@@ -26,7 +26,7 @@ def kind_of_place(path: Path) -> str:
         return ""
 
 
-def open_regular(path: Path) -> BinaryIO:
+def open_regular(path: Path) -> BufferedReader:
     """Open a regular file for reading, waiting for nobody. Raises OSError, NotRegular for any other thing."""
     descriptor = os.open(path, AT_ONCE)
     try:

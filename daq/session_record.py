@@ -280,6 +280,8 @@ class Record:
             AttributeError,
             MemoryError,
         ) as error:
+            if isinstance(error, MemoryError):
+                raise SessionError(f"{self._path}: out of memory while it was read") from error
             why = error.args[0] if isinstance(error, KeyError) and error.args else error
             raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
 

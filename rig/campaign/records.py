@@ -15,6 +15,7 @@ from analysis.stationary import Steadiness, drive_frequency, steadiness
 from daq.formats.reading import Column, CsvStyle, kind_of, read_columns
 from daq.formats.sidecar import Sidecar
 from daq.formats.wave import FormatError
+from daq.regular_files import open_regular
 from rig.campaign.exported_records import sidecar_for
 from rig.mapping import (
     ACCELERATION_UNITS,
@@ -85,7 +86,8 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     except (AnalysisError, ValueError) as error:
         raise AnalysisError(f"{file}: {error}") from error
     _gate(file, mapping, frequency, steady)
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
+    with open_regular(file) as source:
+        digest = hashlib.file_digest(source, "sha256").hexdigest()
     return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar)
 
 
