@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-__all__ = ["whole_file", "write_folder", "write_whole"]
+__all__ = ["fresh_file", "whole_file", "write_folder", "write_whole"]
 
 NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
@@ -30,6 +30,15 @@ def write_whole(path: Path, data: str | bytes) -> None:
     """Write text (UTF-8, lines as they are) or bytes to `path`, whole or not at all. Raises OSError."""
     with whole_file(path) as file:
         file.write(_encoded(data))
+
+
+def fresh_file(path: Path) -> BinaryIO:
+    """Open a new file at `path` that is written bit by bit; what stood there, link or file, is removed, not followed.
+
+    Raises OSError.
+    """
+    path.unlink(missing_ok=True)
+    return _create(path)
 
 
 def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:

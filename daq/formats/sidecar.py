@@ -1,7 +1,8 @@
 """The file beside an exported record: what UFF58, CSV and the like have no place for.
 
-`run_0001.json` beside `run_0001.uff`: which run it was, whether poles and delays are undone in the samples, where the
-whole cycles begin, the quality flags, and the certificate of each channel. Our import reads it.
+`run_0001.uff.json` beside `run_0001.uff`: which run it was, whether poles and delays are undone in the samples, where
+the whole cycles begin, the quality flags, and the certificate of each channel. It names the record by its SHA-256, so
+that it never speaks for other samples. Our import reads it.
 """
 
 import json
@@ -13,7 +14,7 @@ from typing import Any
 from daq.formats.wave import FormatError
 from daq.shapes import Each, Keys, List, Number, Shape, Text, YesNo, deviations
 
-__all__ = ["SCHEMA", "FlaggedBlock", "Sidecar", "read_sidecar", "sidecar_of"]
+__all__ = ["SCHEMA", "FlaggedBlock", "Sidecar", "is_sidecar", "read_sidecar", "sidecar_of"]
 
 SCHEMA = "rig/export/1"
 LARGEST_FILE = 2**26  # bytes
@@ -26,7 +27,7 @@ CERTIFICATE: dict[str, Shape] = {
     "noise_rms": Number(0, 1e12), "full_scale": Number(0),
 }  # fmt: skip
 SHAPE = Keys({
-    "schema": Text((SCHEMA,)), "run": Text(), "order": COUNT, "repeat": COUNT,
+    "schema": Text((SCHEMA,)), "sha256": Text(), "run": Text(), "order": COUNT, "repeat": COUNT,
     "corrected": YesNo(), "rate": Number(0, 1e9, above=True), "start": Text(),
     "window": Keys({"start": Number(0, 1e12), "cycles": COUNT, "samples_per_cycle": Number(0, 1e12)}),
     "flags": List(Keys({"start": COUNT, "count": COUNT, "flags": Each(COUNT)})),
@@ -59,25 +60,30 @@ class Sidecar:
 
 def sidecar_of(path: Path) -> Path:
     """Return the path of the file that stands beside an exported record."""
-    return path.with_suffix(".json")
+    return path.with_name(path.name + ".json")
 
 
-def read_sidecar(path: Path) -> Sidecar | None:
-    """Return what stands beside the record `path`; None where there is nothing of ours.
+def is_sidecar(path: Path) -> bool:
+    """Return whether a file is one that `rig export` wrote beside a record."""
+    return _document(path) is not None
 
-    Raises FormatError where the file is one of ours and is not as `rig export` writes it.
+
+def read_sidecar(path: Path, digest: str) -> Sidecar | None:
+    """Return what stands beside the record `path`, whose SHA-256 is `digest`; None where there is nothing of ours.
+
+    Raises FormatError where the file is one of ours and is not as `rig export` writes it, or speaks for other samples.
     """
     beside = sidecar_of(path)
-    if not beside.is_file() or beside.stat().st_size > LARGEST_FILE:
-        return None
-    try:
-        document = json.loads(beside.read_text(encoding="utf-8"))
-    except (ValueError, OSError, RecursionError):
-        return None
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+    document = _document(beside)
+    if document is None:
         return None
     for sentence in deviations(document, SHAPE):
         raise FormatError(f"{beside}: {sentence}")
+    if document["sha256"] != digest:
+        raise FormatError(
+            f"{path} is not the file that {beside.name} was written for (another SHA-256): export the run again, or "
+            "remove the JSON file and state in the mapping what it would have"
+        )
     window = document["window"]
     return Sidecar(
         document["corrected"],
@@ -85,3 +91,14 @@ def read_sidecar(path: Path) -> Sidecar | None:
         tuple(FlaggedBlock(block["start"], block["count"], block["flags"]) for block in document["flags"]),
         document["channels"],
     )
+
+
+def _document(path: Path) -> dict[str, Any] | None:
+    """Return the JSON of a file of ours, None for any other or none."""
+    if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+        return None
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, OSError, RecursionError):
+        return None
+    return document if isinstance(document, dict) and document.get("schema") == SCHEMA else None

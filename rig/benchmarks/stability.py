@@ -5,6 +5,7 @@ import re
 import sys
 from pathlib import Path
 
+from daq.whole_files import write_whole
 from rig.benchmarks.hard.case import Case, Measure, plain
 from rig.benchmarks.hard.suite import CASES, GROUPS, outcome
 
@@ -89,7 +90,7 @@ def main() -> None:
     if check:
         broken += differences(PAGE.read_text(encoding="utf-8"), made)
     else:
-        PAGE.write_text(made, encoding="utf-8")
+        write_whole(PAGE, made)
     print("\n".join(broken) or f"{len(CASES)} cases held")
     sys.exit(1 if broken else 0)
 

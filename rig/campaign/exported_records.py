@@ -18,12 +18,12 @@ SAID = ("model", "serial", "direction", "calibration_date", "gain_tolerance")
 """Fields of a mapping's column that the certificate fills where they have their default."""
 
 
-def sidecar_for(file: Path, mapping: RecordMap) -> Sidecar | None:
-    """Return what stands beside a record, None where there is nothing.
+def sidecar_for(file: Path, digest: str, mapping: RecordMap) -> Sidecar | None:
+    """Return what stands beside a record with the SHA-256 `digest`, None where there is nothing.
 
     Raises InputError where the mapping asks for a correction that is done already; FormatError for a damaged file.
     """
-    found = read_sidecar(file)
+    found = read_sidecar(file, digest)
     if found is None or not found.corrected:
         return found
     for name, column in (("force", mapping.force), ("acceleration", mapping.acceleration)):

@@ -68,7 +68,9 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
         bad = np.flatnonzero(~np.isfinite(columns[name].samples))
         if bad.size:
             raise FormatError(f"{file}: {name} is not a number at sample {bad[0]}; a record may have no gap")
-    sidecar = sidecar_for(file, mapping)
+    with open_regular(file) as content:
+        digest = hashlib.file_digest(content, "sha256").hexdigest()
+    sidecar = sidecar_for(file, digest, mapping)
     rate = _rate(file, mapping, force, acceleration, columns[names[2]].samples if mapping.time else None)
     start = round((mapping.settle if run.settle is None else run.settle) * rate)
     if sidecar is not None and run.settle is None and not mapping.settle:
@@ -86,8 +88,6 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     except (AnalysisError, ValueError) as error:
         raise AnalysisError(f"{file}: {error}") from error
     _gate(file, mapping, frequency, steady)
-    with open_regular(file) as source:
-        digest = hashlib.file_digest(source, "sha256").hexdigest()
     return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar)
 
 

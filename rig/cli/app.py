@@ -209,6 +209,7 @@ def export_(
     run: Annotated[str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="PATH", help="Folder; with --run the file.")] = None,
     raw: Annotated[bool, typer.Option("--raw", help="As recorded: poles and delays are left in.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are no exports.")] = False,
     json: Json = False,
 ) -> None:
     """Write records for other tools: UFF58 (types 1 and 4), CSV, SEP-005, MATLAB.
@@ -223,7 +224,7 @@ def export_(
     go_on_watched(session)
     from rig.cli.exchange import export_session
 
-    export_session(session, to, run, out, raw, json)
+    export_session(session, to, run, out, raw, json, force)
 
 
 @app.command("import")

@@ -1,5 +1,6 @@
 """`rig bench`: speed against error, as rows, tables, figures and a page."""
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any, TextIO
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from daq.whole_files import fresh_file
 from rig.benchmarks.figures import write_figures
 from rig.benchmarks.page import FIGURES, JSONL, as_line, write_page
 from rig.benchmarks.runner import Job, jobs, measured
@@ -56,7 +58,7 @@ def _lines(out: Path | None) -> Iterator[TextIO | None]:
         return
     try:
         out.mkdir(parents=True, exist_ok=True)
-        file = (out / JSONL).open("w", encoding="utf-8")
+        file = io.TextIOWrapper(fresh_file(out / JSONL), encoding="utf-8", write_through=True)
     except OSError as error:
         raise InputError(Mistake("--out", "", f"{out}, which cannot be written ({error})", "a folder")) from None
     with file:

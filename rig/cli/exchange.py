@@ -1,5 +1,7 @@
 """`rig export` and `rig import`: other tools' files."""
 
+import hashlib
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,12 +11,11 @@ import numpy as np
 from analysis.corrected_signal import CorrectedSignal
 from analysis.reading import window_range
 from daq.channel import ChannelInfo
-from daq.formats.sidecar import SCHEMA, sidecar_of
+from daq.formats.sidecar import SCHEMA, is_sidecar, sidecar_of
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
-from daq.strange_text import json_text
 from daq.whole_files import write_whole
 from rig.cli.output import PASSES, print_json, print_result, say
 from rig.cli.progress import progress
@@ -25,10 +26,13 @@ from rig.errors import InputError, Mistake, nearest
 SUFFIXES: Mapping[str, str] = {"uff58": ".uff", "csv": ".csv", "sep005-npz": ".npz", "mat": ".mat"}
 
 
-def export_session(session: Path, to: str, run: str | None, out: Path | None, raw: bool, as_json: bool) -> None:
+def export_session(
+    session: Path, to: str, run: str | None, out: Path | None, raw: bool, as_json: bool, force: bool = False
+) -> None:
     """`rig export`: a file per run in the folder `out`, else in the session's folder `export`; `out` itself for one.
 
-    raw: the codes' own samples, poles and delays left in.
+    raw: the codes' own samples, poles and delays left in. force: replace files that are no exports; the session itself
+    is never replaced.
     """
     if to not in SUFFIXES:
         raise InputError(Mistake("--to", "", repr(to), ", ".join(SUFFIXES), nearest(to, SUFFIXES)))
@@ -36,9 +40,12 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, ra
     with open_watched(path) as record, progress("runs", as_json) as watch:
         runs = _chosen(record, run)
         written: list[str] = []
-        for info in runs:
-            file = out if out is not None and run is not None else (out or path.parent / "export") / info.name
-            file = file if out is not None and run is not None else file.with_name(file.name + SUFFIXES[to])
+        folder = out or path.parent / "export"
+        one = out is not None and run is not None
+        files = [folder if one else folder / f"{info.name}{SUFFIXES[to]}" for info in runs]
+        for file in files:
+            _check_target(file, path, force)
+        for file, info in zip(files, runs, strict=True):
             file.parent.mkdir(parents=True, exist_ok=True)
             _write(file, to, record, info, raw)
             written.append(str(file))
@@ -48,6 +55,21 @@ def export_session(session: Path, to: str, run: str | None, out: Path | None, ra
         return
     for name in written:
         say(name)
+
+
+def _check_target(file: Path, session: Path, force: bool) -> None:
+    """Refuse a target that would cost the user a file: the session, or whatever `rig export` has not written."""
+    beside = sidecar_of(file)
+    for target in (file, beside):
+        if target.is_dir():
+            raise InputError(Mistake("--out", "", f"{target}, which is a folder", "the path of a file"))
+        if target.exists() and target.samefile(session):
+            raise InputError(Mistake("--out", "", f"{target}, which is the session itself", "another path"))
+    known = is_sidecar(beside)
+    for target in (file, beside):
+        if os.path.lexists(target) and not known and not force:
+            found = f"{target}, which exists and is no file of rig export"
+            raise InputError(Mistake("--out", "", found, "a new path, or --force to replace it"))
 
 
 def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool, as_json: bool) -> int:
@@ -98,8 +120,9 @@ def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> Non
         write_mat(path, waves, document)
     else:
         write_sep005(path, waves)
-    text = json_text(document) + "\n"
-    write_whole(sidecar_of(path), text)
+    with path.open("rb") as content:
+        document["sha256"] = hashlib.file_digest(content, "sha256").hexdigest()
+    write_whole(sidecar_of(path), json_text(document) + "\n")
 
 
 def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]:

@@ -120,7 +120,7 @@ def test_npz_csv_and_mat_hold_the_samples(
     assert (told[1]["name"], told[1]["unit_str"], told[1]["fs"]) == ("acceleration", "m/s^2", 10240.0)
     rows = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
     np.testing.assert_array_equal(rows.T, np.stack([wave.samples for wave in waves]))  # 17 digits: bit for bit
-    beside = json.loads((tmp_path / "r.json").read_text())
+    beside = json.loads((tmp_path / "r.csv.json").read_text())
     assert beside["rate"] == 10240.0
     assert beside["channels"]["force"]["unit"] == "N"
     values = scipy.io.loadmat(tmp_path / "r.mat")
@@ -130,7 +130,7 @@ def test_npz_csv_and_mat_hold_the_samples(
 
 def test_all_runs_go_to_a_folder_and_wrong_words_are_refused(rig_command: Rig, session: Path, tmp_path: Path) -> None:
     assert rig_command("export", session, "--to", "csv", "--out", tmp_path / "all").returncode == 0
-    assert sorted(path.name for path in (tmp_path / "all").iterdir()) == ["run_0001.csv", "run_0001.json"]
+    assert sorted(path.name for path in (tmp_path / "all").iterdir()) == ["run_0001.csv", "run_0001.csv.json"]
     for words, found in (
         (("--to", "uff"), "did you mean 'uff58'"),
         (("--to", "csv", "--run", "7"), "run_0007"),

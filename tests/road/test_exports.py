@@ -1,6 +1,8 @@
 """What rig export writes reproduces the report: by a few lines of numpy, and through our own import."""
 
 import json
+import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,9 +31,14 @@ GRIDS = {
     "fill_rate": ("vary={scene.grains.fill: [0 %, 90 %], drive.acceleration: [2 m/s^2, 5 m/s^2]}",),
     "frequency": (),
     "nulls": (),
+    "gauge": (),
+    "hysteresis": (),
+    "overload": (),
     "size": (),
+    "size_acceleration": (),
     "slug_vertical": (),
     "slug_zero_gravity": (),
+    "stepped_sine": (),
 }
 """Shipped protocols with energies to compare, on a grid that is short."""
 
@@ -101,7 +108,7 @@ def compare(name: str, sets: tuple[str, ...], folder: Path) -> int:
                 continue
             for row in condition["runs"]:
                 path = (folder / to / row["run"]).with_suffix(suffix)
-                beside = json.loads(path.with_suffix(".json").read_text())
+                beside = json.loads(path.with_name(path.name + ".json").read_text())
                 W, eta, M = by_hand(read(path), beside)
                 # U of one run's W: certificates and phase alone reach 1.6 % of it; .1 U of the condition is asked for
                 tenth = 0.1 * condition["U_W_exp"]
@@ -180,13 +187,52 @@ def test_flags_beside_the_record_come_back_and_damage_is_a_sentence(
     export_session(locked, "csv", "1", tmp_path / "r.csv", False, True)
     capsys.readouterr()
     mapping = "force: {channel: '1'}\nacceleration: {channel: '2'}\nrate: 10240 Hz\n"
-    beside = json.loads((tmp_path / "r.json").read_text())
+    beside = json.loads((tmp_path / "r.csv.json").read_text())
     assert beside["flags"] == [] or all(block["start"] < beside["window"]["start"] for block in beside["flags"])
     beside["flags"] = [{"start": 5 * 512, "count": 3, "flags": {"force": int(Flag.OVERLOAD_HI)}}]
-    (tmp_path / "r.json").write_text(json.dumps(beside))
+    (tmp_path / "r.csv.json").write_text(json.dumps(beside))
     back = imported(tmp_path / "r.csv", mapping, tmp_path / "again.h5")
     assert "overload_hi" in back["conditions"][0]["runs"][0]["flags"]
     for key, value in (("corrected", "yes"), ("channels", []), ("window", {"start": -1})):
-        (tmp_path / "r.json").write_text(json.dumps({**beside, key: value}))
-        with pytest.raises(FormatError, match=r"r\.json"):
+        (tmp_path / "r.csv.json").write_text(json.dumps({**beside, key: value}))
+        with pytest.raises(FormatError, match=r"r\.csv\.json"):
             imported(tmp_path / "r.csv", mapping, tmp_path / "other.h5")
+
+
+def test_no_export_costs_the_user_a_file(locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The session, a link to it, a report, and what would stand beside the file."""
+    folder = tmp_path / "s"
+    shutil.copytree(locked, folder)
+    (folder / "link.csv").symlink_to("session.h5")
+    os.link(folder / "session.h5", folder / "hard.csv")
+    (folder / "new.csv.json").write_text("{}")
+    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    for name in ("session.h5", "link.csv", "hard.csv"):
+        for force in (False, True):
+            with pytest.raises(InputError, match="the session itself"):
+                export_session(folder, "csv", "1", folder / name, False, True, force)
+    for name in ("report.csv", "report.json", "new.csv"):
+        with pytest.raises(InputError, match="no file of rig export"):
+            export_session(folder, "csv", "1", folder / name, False, True)
+    assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
+    export_session(folder, "csv", "1", folder / "new.csv", False, True, force=True)
+    export_session(folder, "csv", "1", folder / "new.csv", True, True)  # our own may be replaced
+    capsys.readouterr()
+    assert not json.loads((folder / "new.csv.json").read_text())["corrected"]
+
+
+def test_what_stands_beside_one_file_never_speaks_for_another(
+    locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Raw CSV and corrected UFF58 in one folder; then other samples under the old name, as a kill would leave them."""
+    export_session(locked, "csv", None, tmp_path, True, True)
+    export_session(locked, "uff58", None, tmp_path, False, True)
+    export_session(locked, "csv", "1", tmp_path / "other.csv", False, True)
+    capsys.readouterr()
+    mapping = "force: {channel: '1'}\nacceleration: {channel: '2'}\nrate: 10240 Hz\n"
+    before = json.loads((locked / "report.json").read_text())["conditions"][0]
+    back = imported(tmp_path / "run_0001.csv", mapping, tmp_path / "a.h5")["conditions"][0]
+    assert back["W_exp"] == pytest.approx(before["W_exp"], abs=0.1 * before["U_W_exp"])
+    (tmp_path / "run_0001.csv").write_bytes((tmp_path / "other.csv").read_bytes())
+    with pytest.raises(FormatError, match=r"not the file that run_0001\.csv\.json"):
+        imported(tmp_path / "run_0001.csv", mapping, tmp_path / "b.h5")
