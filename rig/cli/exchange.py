@@ -16,6 +16,7 @@ from daq.formats.uff58 import write_uff58
 from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
+from daq.strange_text import json_text
 from daq.whole_files import write_whole
 from rig.cli.output import PASSES, print_json, print_result, say
 from rig.cli.progress import progress
