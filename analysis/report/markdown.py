@@ -9,6 +9,7 @@ from analysis.report.fidelity import fidelity_sentences
 from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
+from daq.strange_text import visible
 
 __all__ = ["markdown_text", "plain", "section_texts"]
 
@@ -21,7 +22,7 @@ def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None
         lines.append(f"Question: {plain(report['question'])}")
     lines += [
         *(plain(text) for text in (wording.waveform(report), wording.support(report), losses_sentence(report)) if text),
-        f"## Verdict: {wording.verdict_line(report)}",
+        f"## Verdict: {plain(wording.verdict_line(report))}",
         *(f"**{plain(text)}**" for text in wording.failures(report)),
         plain(wording.headline(report)),
         *map(plain, wording.found(report)),
@@ -37,7 +38,7 @@ def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None
 def section_texts(parts: Sequence[Section]) -> Iterable[str]:
     """The sections as paragraphs of Markdown."""
     for section in parts:
-        yield f"## {section.title}"
+        yield f"## {plain(section.title)}"
         yield from map(plain, section.sentences)
         yield from (f"![{plain(plot.alt)}](figures/{plot.name}.svg)" for plot in section.plots)
         yield from map(_table, section.tables)
@@ -45,8 +46,8 @@ def section_texts(parts: Sequence[Section]) -> Iterable[str]:
 
 def _table(table: Table) -> str:
     lines = [
-        f"### {table.title}\n\n{plain(table.note)}\n",
-        "| " + " | ".join(table.head) + " |",
+        f"### {plain(table.title)}\n\n{plain(table.note)}\n",
+        "| " + " | ".join(map(plain, table.head)) + " |",
         "|" + "---|" * len(table.head),
         *("| " + " | ".join(plain(cell.text) for cell in row) + " |" for row in table.rows),
     ]
@@ -54,6 +55,6 @@ def _table(table: Table) -> str:
 
 
 def plain(text: str) -> str:
-    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar."""
-    text = " ".join(str(text).split())
-    return "".join(f"\\{c}" if c in "\\`*[]<>|#!" else c for c in text)
+    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or hidden."""
+    text = visible(" ".join(str(text).split()))
+    return "".join(f"\\{c}" if c in "\\`*[]<>|#!&~" else c for c in text)
