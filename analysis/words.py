@@ -2,7 +2,7 @@
 
 import html
 
-from daq.strange_text import LINES, visible
+from daq.strange_text import visible
 
 __all__ = ["counted", "escape"]
 
@@ -12,6 +12,6 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def escape(text: str) -> str:
-    """Return text as HTML or XML text: nothing in it is taken for markup, and no character is hidden."""
-    return html.escape(visible(text, LINES))
+def escape(text: str, keep: str = "\n") -> str:
+    """Return text as HTML or XML text: nothing in it is taken for markup, and no character but `keep` is hidden."""
+    return html.escape(visible(text, keep))

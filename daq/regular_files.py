@@ -28,15 +28,20 @@ def kind_of_place(path: Path) -> str:
 
 def open_regular(path: Path) -> BufferedReader:
     """Open a regular file for reading, waiting for nobody. Raises OSError, NotRegular for any other thing."""
+    _check(path, os.stat(path))  # opening alone can rewind a tape
     descriptor = os.open(path, AT_ONCE)
     try:
-        kind = _kind(os.fstat(descriptor))
-        if kind != "a file":
-            raise NotRegular(0, f"{kind}, no file", str(path))
+        _check(path, os.fstat(descriptor))  # another thing may have come to the path since
         return os.fdopen(descriptor, "rb")
     except BaseException:
         os.close(descriptor)
         raise
+
+
+def _check(path: Path, found: os.stat_result) -> None:
+    kind = _kind(found)
+    if kind != "a file":
+        raise NotRegular(0, f"{kind}, no file", str(path))
 
 
 def _kind(found: os.stat_result) -> str:

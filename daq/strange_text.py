@@ -11,7 +11,7 @@ from typing import Any
 __all__ = ["HIDDEN", "LINES", "cell_text", "json_text", "visible"]
 
 LINES = "\n\t"
-"""What text of several lines may keep."""
+"""What text of several lines may keep where it stands as it is."""
 
 HIDDEN = re.compile(
     "[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufdd0-\ufdef\ufffe\uffff"
@@ -24,7 +24,9 @@ HIDDEN = re.compile(
 paragraphs; and Unicode's Default_Ignorable_Code_Point (DerivedCoreProperties.txt), bidirectional controls and
 zero-width characters among them."""
 
-_FORMULA = re.compile(r"\s*[=+\-@\t\r\n＝＋－＠]")
+_FORMULA = re.compile(r"""(^|;)(?=[\s"']*[=+\-@\t\r\n＝＋－＠])""")
+"""Where a spreadsheet may begin a formula: at the start of a cell, spaces and quotes skipped, and after the semicolon
+that half of the world separates cells by."""
 
 
 def visible(text: str, keep: str = "") -> str:
@@ -43,7 +45,7 @@ def cell_text(value: Any) -> Any:
     apostrophe."""
     if not isinstance(value, str):
         return value
-    return f"'{visible(value)}" if _FORMULA.match(value) else visible(value)
+    return visible(_FORMULA.sub(r"\1'", value))
 
 
 def _escaped(character: str) -> str:

@@ -12,7 +12,7 @@ from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
 from analysis.words import escape
-from daq.strange_text import visible
+from daq.strange_text import LINES, visible
 
 __all__ = ["html_text", "page"]
 
@@ -63,7 +63,7 @@ def page(title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterab
 
 
 def _file(name: str, text: str) -> str:
-    shown = f"<summary>The {escape(name)} of this session</summary><pre>{escape(text)}</pre>"
+    shown = f"<summary>The {escape(name)} of this session</summary><pre>{escape(text, LINES)}</pre>"
     return f"<section><details>{shown}</details></section>"
 
 

@@ -1,5 +1,6 @@
 """report.md: the report as Markdown text."""
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -9,9 +10,18 @@ from analysis.report.fidelity import fidelity_sentences
 from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
-from daq.strange_text import visible
+from daq.strange_text import LINES, visible
 
 __all__ = ["markdown_text", "plain", "section_texts"]
+
+_INLINE = re.compile(
+    r"[\\`*\[\]<>|#!&~$@]"  # code, emphasis, links, HTML, cells, entities, strikethrough, formulas, addresses
+    r"|(?<![^\W_])_|_(?![^\W_])"  # emphasis, unless inside a word
+    r"|:(?=[^\s\d])|(?<=www)\.",  # http://..., :smile:, www....
+    re.IGNORECASE,
+)
+_BLOCK = re.compile(r"^[-+=]|^\d{1,9}[.)](?=\s|$)")
+"""The first characters of a list, a rule or the line under a heading."""
 
 
 def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
@@ -47,14 +57,18 @@ def section_texts(parts: Sequence[Section]) -> Iterable[str]:
 def _table(table: Table) -> str:
     lines = [
         f"### {plain(table.title)}\n\n{plain(table.note)}\n",
-        "| " + " | ".join(map(plain, table.head)) + " |",
+        "| " + " | ".join(map(_inline, table.head)) + " |",
         "|" + "---|" * len(table.head),
-        *("| " + " | ".join(plain(cell.text) for cell in row) + " |" for row in table.rows),
+        *("| " + " | ".join(_inline(cell.text) for cell in row) + " |" for row in table.rows),
     ]
     return "\n".join(lines)
 
 
 def plain(text: str) -> str:
     """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or hidden."""
-    text = visible(" ".join(str(text).split()))
-    return "".join(f"\\{c}" if c in "\\`*[]<>|#!&~" else c for c in text)
+    return _BLOCK.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", _inline(text))
+
+
+def _inline(text: str) -> str:
+    """Text inside a line: a number may begin with its sign."""
+    return _INLINE.sub(r"\\\g<0>", " ".join(visible(str(text), LINES).split()))

@@ -76,6 +76,8 @@ def _sentence(error: Exception) -> str:
         limit = memory_limit()
         told = "" if limit is None else f": this process may use {limit / 1e6:.0f} MB (ulimit -v)"
         return f"out of memory{told}"
+    if isinstance(error, OSError) and error.strerror and error.filename is not None:
+        return visible(f"{os.fsdecode(error.filename)}: {error.strerror.lower()}")
     return visible(" ".join(str(error).split()))
 
 
@@ -107,6 +109,8 @@ def with_whole_output(call: Callable[[], object]) -> None:
         call()
     except SystemExit as ended:
         code = ended.code
+    except OSError as error:  # while help, or what is wrong with an option, was printed
+        code = fail(_sentence(error), INTERRUPTED)
     error = _flush(sys.stdout)
     if error is not None and error.errno != errno.EPIPE:
         code = fail(f"the output cannot be written ({error.strerror})", INTERRUPTED)
