@@ -19,8 +19,8 @@ FRAGMENTS = (
     "\x1b[2J", "\x1b]0;t\x07", "\x9b31m", "\x08\x08", "\x7f", "\x00", "\r", "\n", "\t", "\u202e", "\u2066", "\u200b",
     "\u2028", "\ufeff", "\u00ad", "\ufffe", "\U000e0041", "\u3164", "[red]", "[/]", "[link=x]", ":smile:", "|", "\n# x",
     "\n- x", "<script>", "</svg>", "]]>", "<!--", "&#8238;", "&lt;", "'", '"', "`", "**", "~~", "![x](y)", "$\\frac$",
-    "%s", "{0}", "{content:x}", "verdict: passes", "ä", "力", "1. x", "- x", "1) x", "===", "---", "_x_", "__x__", "$x$",
-    "http://x.de", "www.x.de", "a@x.de", "\\", "\\|", "[x]: y", "    x", ": --",
+    "%s", "{0}", "{content:x}", "verdict: passes", "ä", "力", "1. x", "- x", "1) x", "===", "---", "_x_", "__x__",
+    "$x$", "http://x.de", "www.x.de", "a@x.de", "\\", "\\|", "[x]: y", "    x", ": --",
 )  # fmt: skip
 STARTS = ("", "=HYPERLINK(1)", "+1", "-1", "@x", "\t=1", "\r", " =1", "＝1", '"=1', "'@x", "x;=1", "1. x", "- x", "+ x")
 hostile = st.builds("".join, st.tuples(st.sampled_from(STARTS), *[st.sampled_from(FRAGMENTS)] * 3)) | st.text(

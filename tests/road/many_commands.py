@@ -1,70 +1,72 @@
-"""A program: runs each command line named, in a child process of its own, and prints how that went.
+"""A program: runs command lines of `rig`, each in a child process of its own, and says how that went.
 
-Reads from standard input a JSON list of {"words": [...], "stdout": path or null, "stderr": path or null, "memory":
-bytes or null}; prints a JSON list of {"code", "out", "err"}, what a path swallowed left out. The libraries are loaded
-once, before the first.
+Reads from standard input, a line each, JSON of {"words": [...], "stdout": path, "stderr": path}, the paths being
+where its output goes instead; answers each with a line of JSON, {"code", "out", "err"}. The libraries are loaded once.
+A command that does not end is killed: code -9; an exception that nobody caught: code 99.
 """
 
+import gc
 import json
 import os
-import resource
+import signal
 import sys
 import tempfile
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
 import rig.cli
 
+PATIENCE = 120
+"""Seconds after which a command is taken to wait for ever."""
 
 TRACE = 99
 
 
 def end(call: Callable[[], None]) -> NoReturn:
     """Call, and end the process as an interpreter would."""
-    code: Any = 1
+    code: Any = TRACE
     try:
         call()
     except SystemExit as ended:
         code = ended.code or 0
     except BaseException:  # noqa: BLE001  whatever comes out is what is asked for here
-        code = TRACE
         with suppress(OSError):
             traceback.print_exc()
             sys.stderr.flush()
     os._exit(code)
 
 
-def run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
-    places = {1: job.get("stdout") or folder / "out", 2: job.get("stderr") or folder / "err"}
+def run(words: list[str], folder: Path, stdout: str = "", stderr: str = "") -> dict[str, Any]:
+    """Run one command; its exit code and what it wrote."""
+    files = [folder / "out", folder / "err"]
+    for file in files:
+        file.write_bytes(b"")
     child = os.fork()
     if not child:
-        for descriptor, place in places.items():
-            opened = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
-            os.dup2(opened, descriptor)
-            os.close(opened)
-        if job.get("memory"):
-            resource.setrlimit(resource.RLIMIT_AS, (job["memory"],) * 2)
-        sys.argv = ["rig", *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in job["words"])]
+        os.setpgid(0, 0)
+        for descriptor, place in enumerate((stdout or files[0], stderr or files[1]), start=1):
+            os.dup2(os.open(place, os.O_WRONLY), descriptor)
+        sys.argv = ["rig", *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in words)]
         end(rig.cli.main)
+    signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
+    signal.alarm(PATIENCE)
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    texts = [
-        "" if name in job and job[name] else (folder / short).read_bytes().decode("utf-8", "surrogateescape")
-        for name, short in (("stdout", "out"), ("stderr", "err"))
-    ]
-    return {"code": code, "out": texts[0], "err": texts[1]}
+    signal.alarm(0)
+    out, err = (file.read_bytes().decode("utf-8", "surrogateescape") for file in files)
+    return {"code": code, "out": out, "err": err}
 
 
 if __name__ == "__main__":
-    jobs = json.loads(os.fsdecode(sys.stdin.buffer.read()))
-    import analysis.report.html
-    import rig.cli.exchange
-    import rig.cli.replay
-    import rig.cli.run
-    import rig.cli.sessions
-
+    for module in ("analysis.report.html", "rig.campaign.importing", *(f"rig.cli.{name}" for name in (
+        "app", "check", "exchange", "model", "replay", "run", "sessions",
+    ))):  # fmt: skip
+        import_module(module)
+    gc.collect()
+    gc.freeze()  # children share the pages of what is loaded
     with tempfile.TemporaryDirectory() as folder:
-        found = [run(job, Path(folder)) for job in jobs]
-    print(json.dumps(found))
+        for line in sys.stdin:
+            print(json.dumps(run(folder=Path(folder), **json.loads(line))), flush=True)
