@@ -111,9 +111,9 @@ def with_whole_output(call: Callable[[], object]) -> None:
         code = ended.code
     except OSError as error:  # while help, or what is wrong with an option, was printed
         code = fail(_sentence(error), INTERRUPTED)
-    error = _flush(sys.stdout)
-    if error is not None and error.errno != errno.EPIPE:
-        code = fail(f"the output cannot be written ({error.strerror})", INTERRUPTED)
+    lost = _flush(sys.stdout)
+    if lost is not None and lost.errno != errno.EPIPE:
+        code = fail(f"the output cannot be written ({lost.strerror})", INTERRUPTED)
     _flush(sys.stderr)
     sys.exit(code)
 
