@@ -1,12 +1,11 @@
 """`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
 
-import sys
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict
 
 from rig.campaign import Campaign
 from rig.campaign.preflight import Outlook, disk, preflight
-from rig.cli.output import cores, print_json
+from rig.cli.output import cores, print_json, say
 from rig.cli.tables import millijoules, number, table, terminal
 
 
@@ -50,9 +49,9 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
     for line in refused:
-        print(f"rig: --strict: {line}", file=sys.stderr)
+        say(f"rig: --strict: {line}", to_stderr=True)
     if unmet:
-        print(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", file=sys.stderr)
+        say(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", to_stderr=True)
     return 2 if refused else 1 if unmet else 0
 
 
