@@ -24,11 +24,12 @@ BATCH = 32
 
 
 def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
-    """Return the energies of a session's runs by name, read by `count` processes; for `read_session`.
+    """Return the energies of a session's runs by name, read by `count` processes.
 
-    Runs that cannot be used have none, and neither have those whose process has ended before it came to them, as by a
-    crash of the HDF5 library: `read_session` reads both, and says what is wrong. Empty for a session of few runs, for
-    one that is being written, and without fork (Windows, macOS).
+    They are for `read_session`. Runs that cannot be used have none, and neither have those whose
+    process has ended before it came to them, as by a crash of the HDF5 library: `read_session`
+    reads both, and says what is wrong. Empty for a session of few runs, for one that is being
+    written, and without fork (Windows, macOS).
     """
     names = [run.name for run in record.runs if run.complete]
     count = min(count, len(names) // (MANY // 2))
@@ -37,6 +38,7 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
     found = energies_of(record, names[:1], tolerate_gaps)  # loads the compiled loops once, for all processes
     context = multiprocessing.get_context("fork")
     pipes, processes = [], []
+    record.close()  # each process opens it for itself
     try:
         for first in range(count):
             here, there = context.Pipe(duplex=False)
@@ -45,6 +47,7 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
             processes[-1].start()
             there.close()  # held by the process alone: its end closes the pipe
             pipes.append(here)
+        record.reopen()
         for energies in _received(pipes):
             found |= energies
     finally:
@@ -63,6 +66,7 @@ def _work(record: "Record", names: Sequence[str], tolerate_gaps: bool, pipe: Con
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the caller's to handle
     with suppress(SessionError, OSError, MemoryError):
+        record.reopen()
         for first in range(0, len(names), BATCH):
             pipe.send(energies_of(record, names[first : first + BATCH], tolerate_gaps))
 
@@ -71,7 +75,8 @@ def _received(pipes: Sequence[Connection]) -> Iterator[dict[str, RunEnergy]]:
     """What comes from the processes, until all have ended; none waits for another."""
     left = list(pipes)
     while left:
-        for pipe in wait(left):
+        ready = set(wait(left))
+        for pipe in [pipe for pipe in left if pipe in ready]:
             try:
                 yield pipe.recv()
             except (EOFError, OSError):

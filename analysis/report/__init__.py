@@ -1,6 +1,5 @@
 """The report in four forms, all from the same dict: JSON, CSV, Markdown and one self-contained HTML page."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +23,7 @@ def write_report(
     from analysis.report.html import html_text
     from analysis.report.markdown import markdown_text
     from analysis.report.sections import sections
+    from daq.indented import indented
     from daq.whole_files import write_folder
 
     parts = sections(report, figures)
@@ -34,7 +34,7 @@ def write_report(
         "report.html": html_text(report, parts),
         **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
         **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
-        "report.json": json.dumps(report, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        "report.json": indented(report) + "\n",
     }
     return write_folder(Path(out_dir), files)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from daq.block import flag_names
 from daq.session import Record
-from rig.cli.output import PASSES, print_json, print_result
+from rig.cli.output import PASSES, cores, print_json, print_result
 from rig.cli.tables import number, scaled, table, terminal
 from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
@@ -17,7 +17,7 @@ def report_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
 ) -> int:
     """`rig report`: analysis and agreement from the records alone."""
-    from analysis import read_session, write_report
+    from analysis import write_report
 
     if out is not None and len(sessions) > 1:
         raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
@@ -25,7 +25,7 @@ def report_sessions(
     for session in sessions:
         path = session_file(session)
         with open_watched(path) as record:
-            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
+            reports.append(_read(record, tolerate_gaps))
         folder = out or path.parent
         write_report(reports[-1], folder, png=png)
         if not as_json:
@@ -35,19 +35,25 @@ def report_sessions(
     return 0 if all(report["verdict"] == PASSES for report in reports) else 1
 
 
+def _read(record: Record, tolerate_gaps: bool) -> dict[str, Any]:
+    from analysis import read_session
+    from analysis.processes import energies_by_processes
+
+    return read_session(record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps)
+
+
 def compare_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
 ) -> int:
     """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
     from analysis.between import compare
     from analysis.offset import actual_of
-    from analysis.reading import read_session
     from analysis.report.between import comparison_sentences, write_comparison
 
     reports, tools = [], []
     for session in sessions:
         with open_watched(session_file(session)) as record:
-            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
+            reports.append(_read(record, tolerate_gaps))
             tools.append(actual_of(record.truth))
     same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
     first, second = (session_file(session).parent for session in sessions)

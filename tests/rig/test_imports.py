@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
     "analysis": (
-        "analysis", "daq.caches", "daq.session", "daq.block", "daq.channel", "daq.shapes", "daq.whole_files",
+        "analysis", "daq.caches", "daq.session", "daq.block", "daq.channel", "daq.indented", "daq.shapes", "daq.whole_files",
         "numpy", "numba",
         "scipy", "matplotlib",
     ),
