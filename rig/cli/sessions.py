@@ -1,16 +1,21 @@
 """`rig report` and `rig info`: recorded sessions, read again."""
 
+import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from analysis.words import counted
 from daq.block import flag_names
 from daq.session import Record
+from daq.whole_files import UNFINISHED, unfinished
 from rig.cli.output import PASSES, cores, print_json, print_result
-from rig.cli.tables import number, scaled, table, terminal
+from rig.cli.tables import MOST_ROWS, number, scaled, table, terminal
 from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
+
+MIXED = f"stopped while it was written, its files do not belong together ({UNFINISHED}); rig report writes it anew"
 
 
 def report_sessions(
@@ -27,6 +32,8 @@ def report_sessions(
         with open_watched(path) as record:
             reports.append(_read(record, tolerate_gaps))
         folder = out or path.parent
+        if unfinished(folder):
+            print(f"rig: an unfinished report in {folder} is replaced", file=sys.stderr)
         write_report(reports[-1], folder, png=png)
         if not as_json:
             print_result(reports[-1], folder)
@@ -92,14 +99,17 @@ def validate_session(session: Path, as_json: bool) -> int:
 
 def session_info(session: Path, as_json: bool) -> None:
     """`rig info`."""
-    with open_watched(session_file(session)) as record:
-        facts = _facts(record)
+    path = session_file(session)
+    with open_watched(path) as record:
+        facts = {**_facts(record), "report_unfinished": unfinished(path.parent)}
     if as_json:
         print_json(facts)
         return
     console = terminal()
     for name in ("protocol", "schema", "synthetic", "complete", "truth", "rate"):
         console.print(f"{name}: {facts[name]}")
+    if facts["report_unfinished"]:
+        console.print(f"report: {MIXED}", soft_wrap=True)
     console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
         (c["name"], c["model"], c["unit"], number(c["sensitivity"], 5), number(c["range_V"]), number(c["pole_Hz"]),
          number(c["calibration_U"]))
@@ -108,8 +118,11 @@ def session_info(session: Path, as_json: bool) -> None:
     console.print(table("Conditions", ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"), [
         (c["id"], c["material"], c["bed"], scaled(c["fill"], 100), scaled(c["diameter"], 1e3),
          number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
-        for c in facts["conditions"]
+        for c in facts["conditions"][:MOST_ROWS]
     ], ("id", "grains", "bed", "flags")))  # fmt: skip
+    more = len(facts["conditions"]) - MOST_ROWS
+    if more > 0:
+        console.print(f"... and {counted(more, 'condition')} more: rig info --json lists all of them")
     for name, value in facts["provenance"].items():
         console.print(f"{name}: {value}", highlight=False)
 
