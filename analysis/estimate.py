@@ -112,8 +112,9 @@ def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
     inverse, weights = _spread_of(share, nu_few, nu_rest)
     k, change = 0.5 * coverage_factor(math.inf, level), 1.0
     while abs(change) > 1e-9 * k:
-        inside = weights @ (2 * ndtr(k * inverse) - 1)
-        density = weights @ (inverse * np.exp(-0.5 * (k * inverse) ** 2)) * math.sqrt(2 / math.pi)
+        deviates = k * inverse
+        inside = weights @ (2 * ndtr(deviates) - 1)
+        density = weights @ (inverse * np.exp(-0.5 * deviates**2)) * math.sqrt(2 / math.pi)
         change = float((level - inside) / density)
         k += change
     return k

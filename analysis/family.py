@@ -7,7 +7,7 @@ two-sided tests that makes the critical value larger, never smaller (Sidak, J. A
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,7 @@ CHAIN_SHARE = 0.9  # share of the conditions that must agree with the rig's own 
 FAILS = "does not hold"
 DRAWS = 10_000  # the probability at the critical score is good to 0.2 % (one sigma)
 SEED = 1
+TOGETHER = 64  # tests whose loads meet the draws in one product
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,19 +67,25 @@ def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
     """Score that all tests of a healthy rig stay within in 95 % of the sessions, and CHAIN_SHARE of the chain's do."""
     rng = np.random.default_rng(SEED)
     names = sorted({name for test in (*tests, *chain) for name in test.shared})
-    inputs = rng.standard_normal((DRAWS, len(names)))
+    inputs = np.ascontiguousarray(rng.standard_normal((DRAWS, len(names))).T)
 
-    def drawn(test: Zero) -> NDArray[np.float64]:
-        load = np.array([test.shared.get(name, 0.0) for name in names]) / (test.found.u or 1.0)
-        own = math.sqrt(max(0.0, 1.0 - float(load @ load)))
-        score = inputs @ load + own * rng.standard_normal(DRAWS)
-        return -score if test.one_sided else np.abs(score)
+    def drawn(family: Sequence[Zero]) -> Iterator[NDArray[np.float64]]:
+        for first in range(0, len(family), TOGETHER):
+            some = family[first : first + TOGETHER]
+            loads = np.array([[test.shared.get(name, 0.0) for name in names] for test in some])
+            loads /= np.array([test.found.u or 1.0 for test in some])[:, None]
+            own = np.sqrt(np.maximum(0.0, 1.0 - (loads * loads).sum(axis=1)))
+            for test, score, alone in zip(some, loads @ inputs, own, strict=True):
+                score += alone * rng.standard_normal(DRAWS)
+                yield -score if test.one_sided else np.abs(score)
 
     most = np.full(DRAWS, -np.inf)
-    for test in tests:
-        np.maximum(most, drawn(test), out=most)
+    for score in drawn(tests):
+        np.maximum(most, score, out=most)
     if chain:
-        scores = np.stack([drawn(test).astype(np.float32) for test in chain])
+        scores = np.empty((len(chain), DRAWS), np.float32)
+        for row, score in zip(scores, drawn(chain), strict=True):
+            row[:] = score
         may_miss = len(chain) - needed(len(chain))
         np.maximum(most, np.partition(scores, -1 - may_miss, axis=0)[-1 - may_miss], out=most)
     return max(ALONE, float(np.quantile(most, LEVEL))) if tests or chain else ALONE

@@ -72,9 +72,9 @@ def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
     z = ndtri(p)
     s = np.ones(1) if math.isinf(nu) else np.sqrt(2 * gammaincinv(nu / 2, p) / nu)
     w_s = np.ones(1) if math.isinf(nu) else weights
-    load = np.array(loads)
+    load, times = np.unique(loads, return_counts=True)
     reach = (load * z[:, None] + d * s[:, None, None]) / np.sqrt(1 - load**2)
-    return float(w_s @ np.prod(ndtr(reach), axis=-1) @ weights)
+    return float(w_s @ np.prod(ndtr(reach) ** times, axis=-1) @ weights)
 
 
 @lru_cache(maxsize=1)
@@ -93,12 +93,13 @@ def beaten(means: Sequence[float], counts: Sequence[float], s: float, nu: float,
     """
     if len(means) < 2:
         return (False,) * len(means)
+    leaders: dict[float, list[float]] = {}  # the two largest means behind which so many runs stand
+    for mean, n in zip(means, counts, strict=True):
+        leaders[n] = sorted([*leaders.get(n, []), mean], reverse=True)[:2]
+    critical = {n: best_critical(counts, counts.index(n), nu, level) for n in leaders}
     found = []
-    for own, mean in enumerate(means):
-        ratios = [
-            (other - mean) / (s * math.sqrt(1 / n + 1 / counts[own]))
-            for j, (other, n) in enumerate(zip(means, counts, strict=True))
-            if j != own
-        ]
-        found.append(max(ratios) > best_critical(counts, own, nu, level))
+    for mean, own in zip(means, counts, strict=True):
+        others = {n: best[1:] if n == own and mean == best[0] else best for n, best in leaders.items()}
+        ratios = [(best[0] - mean) / (s * math.sqrt(1 / n + 1 / own)) for n, best in others.items() if best]
+        found.append(max(ratios) > critical[own])
     return tuple(found)

@@ -152,8 +152,9 @@ def doubts(channel: ChannelFacts, part: Cycles, omega: float, settled: float, sm
     # of second differences of white noise, rounding included
     floor = math.sqrt(6.0 * (channel.noise_rms**2 + (channel.scale / channel.sensitivity) ** 2 / 12))
     stated = smooth and channel.noise_rms > 0  # else the other cycles are the measure
-    usual = floor if stated else max(float(np.median(part.fast)), floor)
-    if np.any((part.fast > NOISY * usual) & (part.crest < GAUSSIAN) & _loud(part.quiet, floor)):
+    usual = floor if stated else max(_median(part.fast), floor)
+    loud = part.fast > NOISY * usual
+    if loud.any() and (loud & (part.crest < GAUSSIAN) & _loud(part.quiet, floor)).any():
         found.append("noisy")
     if part.spike > LONE:
         found.append("spike")
@@ -195,6 +196,12 @@ def _of_start(channel: ChannelFacts, omega: float, settled: float) -> float:
     return 2 * sum(math.exp(-settled / tau) / (omega * tau) for tau in channel.time_constants)
 
 
+def _median(values: Array) -> float:
+    """np.median, which takes ten times as long over so few values."""
+    ordered, half = np.sort(values), values.size // 2
+    return float(ordered[half]) if values.size % 2 else float(ordered[half - 1] + ordered[half]) / 2
+
+
 def _lone(fast: Array) -> float:
     """The largest value over the twentieth largest of those more than 8 places away; 0 where there are too few."""
     top = int(fast.argmax())
@@ -228,7 +235,7 @@ def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
     values before and all after, the two at the place left out (the step may lie within one of them), with BESIDE cycles
     on either side (the end of a glide looks like a step otherwise)."""
     n = series.size
-    if n < 8 or float(np.ptp(series)) <= least:
+    if n < 8 or float(series.max() - series.min()) <= least:
         return False
     k = np.arange(2, n - 1)
     before, total = np.cumsum(series)[k - 1], float(series.sum())

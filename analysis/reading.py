@@ -1,7 +1,9 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,13 +18,13 @@ from analysis.loop_back import LoopBack, loop_back
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
-from analysis.runs import LOOP_BACK, AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting
+from analysis.runs import LOOP_BACK, AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting, Truth
 from analysis.sweep import sweep
 from analysis.uncertainty import noise_of
 from analysis.verdict import NOT_REACHED
 from daq.block import Flag, flag_names
 
-__all__ = ["read_session", "run_energy"]
+__all__ = ["energies_of", "read_session", "run_energy"]
 
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT)
@@ -44,53 +46,97 @@ def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False)
     are still written. AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
     tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole cycle.
     """
-    if isinstance(run, str):
-        run = record.run(run)
-    if not run.complete:
-        raise AnalysisError(f"{run.name} is not complete")
-    setting = Setting.of(record.conditions[run.condition])
-    if setting.bed == LOOP_BACK:
-        raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
-    if setting.sweep_to is not None:
-        raise AnalysisError(f"{run.name} is a sweep: its cycles do not close, no energy is stated")
-    force, acceleration = _channel(record, FORCE), _channel(record, ACCELERATION)
-    scalars = record.scalars(run.name)
-    window = _window(run, setting, force, scalars)
-    delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
-    stretches = _stretches(record, run, window, tolerate_gaps)
-    total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
-    for part in (part for stretch in stretches for part in stretch.segments()):
-        first, last = part.sample_range()
-        signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
-        found = signals[0].flags | signals[1].flags
-        if found & BROKEN:
-            raise AnalysisError(f"{run.name} has {', '.join(flag_names(found & BROKEN))} in samples {first} to {last}")
-        bits |= found & SETTLED
-        F, a = (on_grid(signal.samples, first, part) for signal in signals)
-        scrutiny.add(signals, (F, a), part.cycles)
-        energy = window_energy(
-            F, a, part.cycles, setting.frequency,
-            time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
-            box_mass=setting.box_mass,
+    return Reader(record, tolerate_gaps).energy(record.run(run) if isinstance(run, str) else run)
+
+
+def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
+    """Energies of runs by name, as `run_energy` finds them; without those that cannot be used."""
+    reader, found = Reader(record, tolerate_gaps), {}
+    for name in names:
+        with suppress(AnalysisError):
+            found[name] = reader.energy(record.run(name))
+    return found
+
+
+class Reader:
+    """Reads the runs of one record: what the record and its conditions say is looked up and checked once."""
+
+    def __init__(self, record: Record, tolerate_gaps: bool = False) -> None:
+        self._record = record
+        self._tolerate_gaps = tolerate_gaps
+        self._settings: dict[str, Setting] = {}
+
+    def setting(self, condition: str) -> Setting:
+        """The setting of a condition."""
+        if condition not in self._settings:
+            self._settings[condition] = Setting.of(self._record.conditions[condition])
+        return self._settings[condition]
+
+    @cached_property
+    def channels(self) -> tuple[ChannelFacts, ChannelFacts]:
+        """Force and acceleration. AnalysisError where one of them is not recorded."""
+        return _channel(self._record, FORCE), _channel(self._record, ACCELERATION)
+
+    @cached_property
+    def exciter(self) -> Mapping[str, Any] | None:
+        """The exciter's document; None where the session has none."""
+        found: Mapping[str, Any] | None = checked("exciter", self._record.document("exciter"))
+        return found
+
+    @cached_property
+    def truth(self) -> Truth | None:
+        """What only a simulated session knows."""
+        return self._record.truth
+
+    def energy(self, run: RunFacts) -> RunEnergy:
+        """Energies of a run; see run_energy."""
+        record = self._record
+        if not run.complete:
+            raise AnalysisError(f"{run.name} is not complete")
+        setting = self.setting(run.condition)
+        if setting.bed == LOOP_BACK:
+            raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
+        if setting.sweep_to is not None:
+            raise AnalysisError(f"{run.name} is a sweep: its cycles do not close, no energy is stated")
+        force, acceleration = self.channels
+        scalars = record.scalars(run.name)
+        window = _window(run, setting, force, scalars)
+        delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
+        stretches = _stretches(record, run, window, self._tolerate_gaps)
+        total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
+        for part in (part for stretch in stretches for part in stretch.segments()):
+            first, last = part.sample_range()
+            signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
+            found = signals[0].flags | signals[1].flags
+            if found & BROKEN:
+                names = ", ".join(flag_names(found & BROKEN))
+                raise AnalysisError(f"{run.name} has {names} in samples {first} to {last}")
+            bits |= found & SETTLED
+            F, a = (on_grid(signal.samples, first, part) for signal in signals)
+            scrutiny.add(signals, (F, a), part.cycles)
+            energy = window_energy(
+                F, a, part.cycles, setting.frequency,
+                time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
+                box_mass=setting.box_mass,
+            )  # fmt: skip
+            total.add(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
+        energy = total.energy()
+        samples = round(energy.cycles * window.grid.period)
+        wanted = int(setting.record_cycles)
+        short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
+        recorded = scalars.get(RECORDED, math.nan)
+        return RunEnergy(
+            run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
+            u_noise=noise_of(energy, force, acceleration, samples),
+            flags=(*flag_names(int(bits)), *scrutiny.flags(run.name), *short, *_limits(scalars), *_stops(scalars)),
+            use=_use(scalars),
+            ledger=_ledger(self.truth, run, setting, window, stretches),
+            coil=_coil(record, run, window, energy, samples, self.exciter),
+            at_box=_at_box(setting, energy, self.exciter),
+            recorded=recorded if math.isfinite(recorded) else None,
+            u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
+            clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
         )  # fmt: skip
-        total.add(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
-    energy = total.energy()
-    samples = round(energy.cycles * window.grid.period)
-    wanted = int(setting.record_cycles)
-    short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
-    recorded = scalars.get(RECORDED, math.nan)
-    return RunEnergy(
-        run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
-        u_noise=noise_of(energy, force, acceleration, samples),
-        flags=(*flag_names(int(bits)), *scrutiny.flags(run.name), *short, *_limits(scalars), *_stops(scalars)),
-        use=_use(scalars),
-        ledger=_ledger(record, run, setting, window, stretches),
-        coil=_coil(record, run, window, energy, samples),
-        at_box=_at_box(record, setting, energy),
-        recorded=recorded if math.isfinite(recorded) else None,
-        u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
-        clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
-    )  # fmt: skip
 
 
 def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]) -> Window:
@@ -142,10 +188,11 @@ def _clip_ratio(record: Record, run: RunFacts) -> float:
     return float(blocks["clipped"].sum(axis=0).max()) / max(int(blocks["count"].sum()), 1)
 
 
-def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples: int) -> Coil | None:
+def _coil(
+    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: Mapping[str, Any] | None
+) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
     channel = record.channels.get(CURRENT)
-    exciter = None if channel is None else checked("exciter", record.document("exciter"))
     if exciter is None or channel is None:
         return None
     force = _channel(record, FORCE)  # on its time the phasors of the energies stand
@@ -160,9 +207,8 @@ def _coil(record: Record, run: RunFacts, window: Window, energy: Energy, samples
     return coil_of(total, energy, channel, exciter, samples)
 
 
-def _at_box(record: Record, setting: Setting, energy: Energy) -> AtBox | None:
+def _at_box(setting: Setting, energy: Energy, exciter: Mapping[str, Any] | None) -> AtBox | None:
     """The run as it would be read on the box; None where the places or the stinger are not known."""
-    exciter = checked("exciter", record.document("exciter"))
     if setting.gauge is None or setting.accelerometer is None or exciter is None:
         return None
     return at_box(energy, setting.gauge, setting.accelerometer, setting.gauge_mass, exciter)
@@ -177,6 +223,7 @@ def read_session(
     cannot be used are listed under `left_out` with the reason.
     """
     known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
+    reader = Reader(record, tolerate_gaps)
     for run in record.runs:
         if run.name not in known:
             try:
@@ -186,7 +233,7 @@ def read_session(
                     scalars = record.scalars(run.name)
                     swept.append(sweep(record, run, _flags(run, scalars), _use(scalars)))
                 else:
-                    known[run.name] = run_energy(record, run, tolerate_gaps)
+                    known[run.name] = reader.energy(run)
             except AnalysisError as error:
                 left_out.append({"run": run.name, "why": str(error)})
     protocol, rig, prediction = (
@@ -255,10 +302,9 @@ def _use(scalars: Mapping[str, float]) -> dict[str, float]:
 
 
 def _ledger(
-    record: Record, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
+    truth: Truth | None, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
 ) -> dict[str, float] | None:
     """True energies over the drive cycles that are read; None for a record without truth."""
-    truth = record.truth
     if truth is None:
         return None
     first, period = round(setting.settle_cycles), window.grid.period

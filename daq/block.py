@@ -25,7 +25,10 @@ class Flag(IntFlag):
 
 def flag_names(bits: int) -> tuple[str, ...]:
     """Lower-case names of the bits that are set, in the order of the bits: 3 -> ("overload_hi", "overload_lo")."""
-    return tuple(str(flag.name).lower() for flag in Flag if bits & flag)
+    return tuple(name for flag, name in _NAMES if bits & flag)
+
+
+_NAMES = tuple((int(flag), str(flag.name).lower()) for flag in Flag)
 
 
 @dataclass(frozen=True, eq=False)

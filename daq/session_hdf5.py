@@ -105,17 +105,25 @@ def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], c
     )
 
 
-def has(file: Any, path: str) -> bool:
-    """Whether hard links lead to `path`. Soft and external links are not followed: they may point at other files."""
-    place, links = "", file.id.links
-    for name in path.split("/"):
-        place += "/" + name
-        try:
-            if links.get_info(place.encode()).type != h5l.TYPE_HARD:
+def has(file: Any, path: str, known: set[str] | None = None) -> bool:
+    """Whether hard links lead to `path`. Soft and external links are not followed: they may point at other files.
+
+    known: groups that hard links lead to, which need no second look; those found on the way are added.
+    """
+    links, end = file.id.links, path.find("/")
+    while True:
+        place = path if end < 0 else path[:end]
+        if known is None or place not in known:
+            try:
+                if links.get_info(place.encode()).type != h5l.TYPE_HARD:
+                    return False
+            except (RuntimeError, KeyError):
                 return False
-        except (RuntimeError, KeyError):
-            return False
-    return True
+        if end < 0:
+            return True
+        if known is not None:
+            known.add(place)
+        end = path.find("/", end + 1)
 
 
 def members(file: Any, path: str) -> tuple[str, ...]:
@@ -140,7 +148,12 @@ def dataset(file: Any, path: str) -> Any:
     KeyError where there is none; ValueError where its bytes are elsewhere, fewer than it says, or packed by a filter
     that not every HDF5 reader has (a filter is code, which a foreign file shall not choose).
     """
-    if not has(file, path):
+    return _opened(file, path, None)[0]
+
+
+def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tuple[int, ...]]:
+    """As `dataset`, with its type (low-level id) and shape; known: see `has`."""
+    if not has(file, path, known):
         raise KeyError(f"{path} is missing")
     found = h5d.open(file.id, path.encode())
     layout = found.get_create_plist()
@@ -149,8 +162,9 @@ def dataset(file: Any, path: str) -> Any:
     filters = [layout.get_filter(position)[0] for position in range(layout.get_nfilters())]
     if not FILTERS.issuperset(filters):
         raise ValueError(f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read")
-    item, stored = found.get_type().get_size(), found.get_storage_size()
-    size = math.prod(found.shape) * item
+    kind, shape = found.get_type(), found.shape
+    item, stored = kind.get_size(), found.get_storage_size()
+    size = math.prod(shape) * item
     packing = DEFLATE if filters else 1
     # The file's size first: HDF5 would count the chunks of an absurd dataset one by one.
     if size > packing * file.id.get_filesize() or size > packing * stored:
@@ -162,23 +176,27 @@ def dataset(file: Any, path: str) -> Any:
                 f"{path} would unpack from {stored} bytes to {max(size, chunk)}; at most {TIMES} times as many are "
                 f"unpacked, or {ALWAYS}"
             )
-    return found
+    return found, kind, shape
 
 
 class Table:
     """A dataset of the given type and shape, opened for reading; KeyError or ValueError where it is another.
 
-    made: this process has made the file, so that its datasets need no look at where and how they keep their bytes.
+    known: see `has`; None where this process has made the file, so that its datasets need no look at where and how
+    they keep their bytes.
     """
 
-    def __init__(self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], made: bool = False) -> None:
-        self._source = h5d.open(file.id, path.encode()) if made else dataset(file, path)
+    def __init__(
+        self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], known: set[str] | None
+    ) -> None:
         self._dtype, self._shape = np.dtype(dtype), shape
-        self._space = self._source.get_space()
-        there = self._space.get_simple_extent_dims()
-        same = self._source.get_type().equal(
-            _memory_type(self._dtype)
-        )  # numpy's type of a table takes ten times as long
+        if known is None:
+            self._source = h5d.open(file.id, path.encode())
+            kind, there = self._source.get_type(), self._source.shape
+        else:
+            self._source, kind, there = _opened(file, path, known)
+        # numpy's type of a table takes ten times as long as HDF5's
+        same = kind.equal(_memory_type(self._dtype))
         if there != shape or not (same or self._source.dtype == self._dtype):
             raise ValueError(f"{path} holds {self._source.dtype} of shape {there}, expected {self._dtype} of {shape}")
 
@@ -196,9 +214,14 @@ class Table:
         """Fill contiguous `rows` of the table's type with those from `start` on; ValueError where there are fewer."""
         if not 0 <= start <= start + len(rows) <= self._shape[0]:
             raise ValueError(f"rows {start} to {start + len(rows)} of a table of {self._shape[0]}")
-        if rows.size:
-            self._space.select_hyperslab((start, *(0 for _ in self._shape[1:])), rows.shape[: len(self._shape)])
-            self._source.read(_whole(rows.shape[: len(self._shape)]), self._space, rows, _memory_type(self._dtype))
+        kind = _memory_type(self._dtype)
+        if rows.size and len(rows) == self._shape[0]:
+            self._source.read(h5s.ALL, h5s.ALL, rows, kind)
+        elif rows.size:
+            shape = rows.shape[: len(self._shape)]
+            space = self._source.get_space()
+            space.select_hyperslab((start, *(0 for _ in self._shape[1:])), shape)
+            self._source.read(_whole(shape), space, rows, kind)
 
 
 class Rows:

@@ -59,17 +59,21 @@ def open_session(path: Path | str, patience: float | None = None) -> "Record":
         kind = kind_of_place(place)
         found = f"{place} is {kind}, no session file" if kind else f"there is no session file {place}"
         raise SessionError(found)
-    try:
-        with limited(patience):
-            file = open_for_reading(place)
-    except DAMAGE as error:
-        raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
+    file = _opened(place, patience)
     try:
         return Record(file, place, patience)
     except BaseException:
         with suppress(OSError, RuntimeError):
             file.close()
         raise
+
+
+def _opened(place: Path, patience: float | None) -> Any:
+    try:
+        with limited(patience):
+            return open_for_reading(place)
+    except DAMAGE as error:
+        raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
 
 
 class Record:
@@ -85,7 +89,7 @@ class Record:
         self._file = file
         self._path = path
         self._patience = patience
-        self._made = made  # by this process, just now
+        self._known: set[str] | None = None if made else set()  # groups seen; of one's own file nothing is doubted
         self._owned = file.mode == "r"  # a recorder keeps its own file
         self._live = self._owned and file.swmr_mode  # another process may be writing
         self._tables: dict[str, Table] = {}  # opened and checked
@@ -122,6 +126,18 @@ class Record:
         if self._owned:
             with suppress(OSError, RuntimeError), limited(self._patience):  # nothing was written: nothing is lost
                 self._file.close()
+
+    def reopen(self) -> None:
+        """Open the file again after `close`, in this process or in one forked from it.
+
+        A file that is open while a process forks has one place and one lock for both.
+        """
+        self._file = _opened(self._path, self._patience)
+
+    @property
+    def live(self) -> bool:
+        """Whether another process was writing the file when it was opened, or this one is."""
+        return self._live or not self._owned
 
     @property
     def runs(self) -> tuple[RunInfo, ...]:
@@ -180,7 +196,7 @@ class Record:
                 return columns
         return ()
 
-    @property
+    @cached_property
     def truth(self) -> "Truth | None":
         """What only a simulation can know; None for records without it."""
         with self.readable():
@@ -217,7 +233,7 @@ class Record:
             samples += channel.offset / channel.sensitivity
         blocks = self._blocks(run, status)
         touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first) & (first < last)
-        flags = np.bitwise_or.reduce(blocks["flags"][touched, self._column(name)], initial=0)
+        flags = np.bitwise_or.reduce(blocks["flags"][touched, self._columns[name]], initial=0)
         return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
 
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
@@ -291,6 +307,7 @@ class Record:
 
     def ledger_rows(self, run: str, start: int = 0, stop: int | None = None) -> npt.NDArray[np.float64]:
         """Rows start..stop of the ledger of a run, as far as it goes, (cycles, columns)."""
+        self._status(run)  # refuses unknown names
         cycles = self.ledger_cycles(run)
         last = cycles if stop is None else min(stop, cycles)
         path, shape = f"{run}/truth/ledger", (cycles, len(self.ledger_columns))
@@ -309,13 +326,13 @@ class Record:
     def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Table:
         """A table opened and checked, or kept from before; while a writer lives, opened anew, without old chunks."""
         if self._live:
-            source = Table(self._file, path, dtype, shape)
+            source = Table(self._file, path, dtype, shape, set() if self._known is None else self._known)
             source.refresh()
             return source
         if path not in self._tables:
             if len(self._tables) >= KEPT_TABLES:
                 self._tables.clear()
-            self._tables[path] = Table(self._file, path, dtype, shape, self._made)
+            self._tables[path] = Table(self._file, path, dtype, shape, self._known)
         return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:
@@ -352,8 +369,10 @@ class Record:
             raise SessionError(f"{run} has {valid} valid samples; {start} to {last} was asked for")
         return start, last
 
-    def _column(self, name: str) -> int:
-        return list(self.channels).index(name)
+    @cached_property
+    def _columns(self) -> dict[str, int]:
+        """Columns of the block tables by channel."""
+        return {name: column for column, name in enumerate(self.channels)}
 
     def _channel(self, name: str) -> ChannelInfo:
         if name not in self.channels:
@@ -377,7 +396,7 @@ class Truth:
     ) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
         """Column names and rows start..stop of the ledger, as far as it goes, (cycles, columns), J per cycle counted
         from drive time 0."""
-        return self._record.ledger_columns, self._record.ledger_rows(self._record.run(run).name, start, stop)
+        return self._record.ledger_columns, self._record.ledger_rows(run, start, stop)
 
     def document(self, name: str) -> Any:
         """The JSON value of a truth document, None where there is none."""

@@ -6,7 +6,9 @@ see are written as their escapes (`\x1b`, `\u202e`), so that he sees that they a
 
 import json
 import re
-from typing import Any
+from typing import Any, Literal
+
+from daq.indented import indented
 
 __all__ = ["HIDDEN", "LINES", "cell_text", "json_text", "visible"]
 
@@ -24,6 +26,8 @@ HIDDEN = re.compile(
 paragraphs; and Unicode's Default_Ignorable_Code_Point (DerivedCoreProperties.txt), bidirectional controls and
 zero-width characters among them."""
 
+_BUT_LINES = re.compile(rf"(?!\n){HIDDEN.pattern}")
+
 _FORMULA = re.compile(r"""(^|;)(?=[\s"']*[=+\-@\t\r\n＝＋－＠])""")
 """Where a spreadsheet may begin a formula: at the start of a cell, spaces and quotes skipped, and after the semicolon
 that half of the world separates cells by."""
@@ -34,10 +38,11 @@ def visible(text: str, keep: str = "") -> str:
     return HIDDEN.sub(lambda found: found[0] if found[0] in keep else _escaped(found[0]), text)
 
 
-def json_text(value: Any, indent: int | None = 1) -> str:
+def json_text(value: Any, indent: Literal[1] | None = 1) -> str:
     """Return JSON text whose hidden characters are JSON's own escapes: it reads back to the same value."""
-    text = json.dumps(value, indent=indent, ensure_ascii=False, allow_nan=False)
-    return HIDDEN.sub(lambda found: found[0] if found[0] == "\n" else _json_escaped(found[0]), text)
+    one_line = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+    text = one_line(value) if indent is None else indented(value)
+    return _BUT_LINES.sub(lambda found: _json_escaped(found[0]), text)
 
 
 def cell_text(value: Any) -> Any:

@@ -15,7 +15,16 @@ from typing import BinaryIO
 
 from daq.regular_files import NotRegular, kind_of_place
 
-__all__ = ["fresh_file", "whole_file", "write_folder", "write_whole"]
+__all__ = ["UNFINISHED", "fresh_file", "mark_unfinished", "unfinished", "whole_file", "write_folder", "write_whole"]
+
+UNFINISHED = "UNFINISHED.txt"
+"""In a folder while its files are replaced, one after the other; left there by a kill in between."""
+
+WHY = """The files of this folder were being replaced. If no program is at work here any more, it was
+stopped in between, and what lies here does not belong together: some of it is older than the rest.
+`rig report` of the session writes all of it anew, and removes this note.
+"""
+
 
 NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
@@ -51,8 +60,9 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Pat
     """Write files into a folder, made where missing, and return their paths.
 
     contents: relative path -> text or bytes. All are written beside their places before the first is moved, in the
-    order given: a full disk leaves every old file, and a kill while they are moved leaves the last one old. Raises
-    OSError, also where a folder inside `folder` is a symbolic link, which could lead anywhere.
+    order given: a full disk leaves every old file. A kill while they are moved leaves the last one old, and the note
+    UNFINISHED, which lies there from before the first move until after the last. Raises OSError, also where a folder
+    inside `folder` is a symbolic link, which could lead anywhere.
     """
     parts: dict[Path, Path] = {}
     with _removed_on_failure(parts):
@@ -64,9 +74,21 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Pat
             parts[part] = path
             with _create(part) as file:
                 file.write(_encoded(data))
+        mark_unfinished(folder)
         for part, path in parts.items():
             os.replace(part, path)
+        (folder / UNFINISHED).unlink(missing_ok=True)
     return tuple(parts.values())
+
+
+def mark_unfinished(folder: Path) -> None:
+    """Say in a folder that its files do not belong together until `write_folder` is done. Raises OSError."""
+    write_whole(folder / UNFINISHED, WHY)
+
+
+def unfinished(folder: Path) -> bool:
+    """Whether the writing of a folder's files was stopped in between, or is under way."""
+    return os.path.lexists(folder / UNFINISHED)
 
 
 def _make_parents(folder: Path, path: Path) -> None:

@@ -74,6 +74,7 @@ def comparisons(report: Report) -> Table:
 
 def recorded(report: Report) -> Table:
     """W_exp beside the predictions on a sine and on the recorded waveform; no rows where the latter was not made."""
+    made = any(row["W_T_recorded"] for row in report["conditions"])
     rows = tuple(
         (
             Cell(row["id"]), fixed(row["acceleration"], 3), number(row["thd_acceleration"], 2, 100),
@@ -82,7 +83,7 @@ def recorded(report: Report) -> Table:
             with_U(row["offset_recorded"], row["U_offset_recorded"], 100), fixed(row["E_n_recorded"], 2),
         )
         for row in report["conditions"]
-        if row["W_T_recorded"] is not None and any(each["W_T_recorded"] for each in report["conditions"])
+        if made and row["W_T_recorded"] is not None
     )  # fmt: skip
     note = (
         "W_T on the recorded waveform: the same bed driven by the box's measured acceleration, all of its band, in "

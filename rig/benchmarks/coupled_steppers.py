@@ -8,6 +8,7 @@ steppers in turn, so that ratios hold on a busy machine as well.
 """
 
 import argparse
+import io
 import json
 import time
 from dataclasses import asdict, dataclass
@@ -18,6 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from daq.whole_files import write_folder
 from rig.beds.stack import Filling, refill
 from rig.catalog import load_rig
 from rig.catalog.entries import Rig
@@ -143,8 +145,8 @@ def measure(amplitude: float, rows: int, refills: int) -> list[Result]:
     ]
 
 
-def figure(found: list[Result], path: Path) -> None:
-    """Work and precision: error of W against CPU time per cycle."""
+def figure(found: list[Result]) -> str:
+    """Work and precision: error of W against CPU time per cycle, as SVG."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -160,7 +162,9 @@ def figure(found: list[Result], path: Path) -> None:
     ax.axvline(2.5, color="0.6", linewidth=0.8)
     ax.set(xlabel="CPU per cycle of 50 ms / ms (line: 20 times real time)", ylabel="error of W, first two cycles")
     ax.legend()
-    fig.savefig(path, metadata={"Date": None})
+    text = io.StringIO()
+    fig.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
 
 
 def main() -> None:
@@ -171,9 +175,8 @@ def main() -> None:
     parser.add_argument("--refills", type=int, default=6)
     told = parser.parse_args()
     found = measure(told.amplitude, told.rows, told.refills)
-    told.out.mkdir(parents=True, exist_ok=True)
-    (told.out / "coupled_steppers.json").write_text(json.dumps([asdict(r) for r in found], indent=1) + "\n")
-    figure(found, told.out / "coupled_steppers.svg")
+    rows = json.dumps([asdict(r) for r in found], indent=1) + "\n"
+    write_folder(told.out, {"coupled_steppers.json": rows, "coupled_steppers.svg": figure(found)})
     for r in found:
         print(
             f"{r.stepper:26s} {r.steps:6d} steps  {r.milliseconds:7.2f} ms  {50 / r.milliseconds:6.1f} x  {r.error:.1e}"

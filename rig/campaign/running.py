@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import analysis
+from daq.whole_files import mark_unfinished
 from rig.campaign.executor import Executor
 from rig.campaign.recording import Watch, record_parts
 from rig.campaign.setup import Campaign
@@ -59,6 +60,8 @@ def run(
             plan = session_plan(campaign)
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
+        if (out / "report.json").exists():  # of what was recorded before
+            mark_unfinished(out)
         with recorder:
             energies = record_parts(recorder, parts, progress, look)
             report = analysis.read_session(recorder.record(), energies)

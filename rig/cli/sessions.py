@@ -1,23 +1,28 @@
 """`rig report` and `rig info`: recorded sessions, read again."""
 
+import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from analysis.words import counted
 from daq.block import flag_names
 from daq.session import Record
-from rig.cli.output import PASSES, print_json, print_result, say
-from rig.cli.tables import number, scaled, table, terminal
+from daq.whole_files import UNFINISHED, unfinished
+from rig.cli.output import PASSES, cores, print_json, print_result, say
+from rig.cli.tables import MOST_ROWS, number, scaled, table, terminal
 from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
+
+MIXED = f"stopped while it was written, its files do not belong together ({UNFINISHED}); rig report writes it anew"
 
 
 def report_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
 ) -> int:
     """`rig report`: analysis and agreement from the records alone."""
-    from analysis import read_session, write_report
+    from analysis import write_report
 
     if out is not None and len(sessions) > 1:
         raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
@@ -25,8 +30,10 @@ def report_sessions(
     for session in sessions:
         path = session_file(session)
         with open_watched(path) as record:
-            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
+            reports.append(_read(record, tolerate_gaps))
         folder = out or path.parent
+        if unfinished(folder):
+            print(f"rig: an unfinished report in {folder} is replaced", file=sys.stderr)
         write_report(reports[-1], folder, png=png)
         if not as_json:
             print_result(reports[-1], folder)
@@ -35,19 +42,25 @@ def report_sessions(
     return 0 if all(report["verdict"] == PASSES for report in reports) else 1
 
 
+def _read(record: Record, tolerate_gaps: bool) -> dict[str, Any]:
+    from analysis import read_session
+    from analysis.processes import energies_by_processes
+
+    return read_session(record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps)
+
+
 def compare_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
 ) -> int:
     """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
     from analysis.between import compare
     from analysis.offset import actual_of
-    from analysis.reading import read_session
     from analysis.report.between import comparison_sentences, write_comparison
 
     reports, tools = [], []
     for session in sessions:
         with open_watched(session_file(session)) as record:
-            reports.append(read_session(record, tolerate_gaps=tolerate_gaps))
+            reports.append(_read(record, tolerate_gaps))
             tools.append(actual_of(record.truth))
     same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
     first, second = (session_file(session).parent for session in sessions)
@@ -86,14 +99,17 @@ def validate_session(session: Path, as_json: bool) -> int:
 
 def session_info(session: Path, as_json: bool) -> None:
     """`rig info`."""
-    with open_watched(session_file(session)) as record:
-        facts = _facts(record)
+    path = session_file(session)
+    with open_watched(path) as record:
+        facts = {**_facts(record), "report_unfinished": unfinished(path.parent)}
     if as_json:
         print_json(facts)
         return
     console = terminal()
     for name in ("protocol", "schema", "synthetic", "complete", "truth", "rate"):
         console.print(f"{name}: {facts[name]}")
+    if facts["report_unfinished"]:
+        console.print(f"report: {MIXED}", soft_wrap=True)
     console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
         (c["name"], c["model"], c["unit"], number(c["sensitivity"], 5), number(c["range_V"]), number(c["pole_Hz"]),
          number(c["calibration_U"]))
@@ -102,8 +118,11 @@ def session_info(session: Path, as_json: bool) -> None:
     console.print(table("Conditions", ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"), [
         (c["id"], c["material"], c["bed"], scaled(c["fill"], 100), scaled(c["diameter"], 1e3),
          number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
-        for c in facts["conditions"]
+        for c in facts["conditions"][:MOST_ROWS]
     ], ("id", "grains", "bed", "flags")))  # fmt: skip
+    more = len(facts["conditions"]) - MOST_ROWS
+    if more > 0:
+        console.print(f"... and {counted(more, 'condition')} more: rig info --json lists all of them")
     for name, value in facts["provenance"].items():
         console.print(f"{name}: {value}", highlight=False)
 

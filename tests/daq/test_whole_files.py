@@ -1,7 +1,9 @@
 """Files are whole or the old ones, and nothing is written through a link."""
 
+import itertools
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -9,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from daq.whole_files import whole_file, write_folder, write_whole
+from daq.whole_files import UNFINISHED, unfinished, whole_file, write_folder, write_whole
 
 OLD = {"a.csv": "old a", "figures/b.svg": "old b", "report.json": "old json"}
 NEW = {"a.csv": "new a" * 1000, "figures/b.svg": "new b", "report.json": "x" * 100_000}
@@ -44,7 +46,7 @@ def test_a_full_disk_leaves_every_old_file(folder: Path) -> None:
     assert contents(folder) == OLD
 
 
-@pytest.mark.parametrize("kills_at", range(3))
+@pytest.mark.parametrize("kills_at", range(4))  # the first move is the note's own
 def test_a_kill_between_the_moves_leaves_whole_files_and_the_old_last_one(
     folder: Path, monkeypatch: pytest.MonkeyPatch, kills_at: int
 ) -> None:
@@ -60,10 +62,53 @@ def test_a_kill_between_the_moves_leaves_whole_files_and_the_old_last_one(
     monkeypatch.setattr(os, "replace", replace)
     with pytest.raises(KeyboardInterrupt):
         write_folder(folder, NEW)
+    assert unfinished(folder) == (kills_at > 0)
     found = contents(folder)
-    assert set(found) == set(OLD)
+    assert set(found) == {*OLD, *((UNFINISHED,) if kills_at else ())}
     assert all(found[name] in (OLD[name], NEW[name]) for name in OLD)
     assert found["report.json"] == OLD["report.json"]
+    monkeypatch.undo()
+    write_folder(folder, NEW)
+    assert contents(folder) == NEW
+
+
+def killed_at(step: int, work: Callable[[], object]) -> bool:
+    """Do the work in a process that SIGKILL ends before its `step`-th change of a file system; whether it did end."""
+    child = os.fork()
+    if not child:
+        left = step
+
+        def count(event: str, values: tuple[object, ...]) -> None:
+            nonlocal left
+            writes = event == "open" and isinstance(values[2], int) and values[2] & (os.O_WRONLY | os.O_RDWR)
+            if writes or event in ("os.rename", "os.remove", "os.mkdir"):
+                left -= 1
+                if left < 0:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.addaudithook(count)
+        work()
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="kills a forked process")
+def test_a_kill_at_any_step_leaves_the_old_files_the_new_ones_or_the_note(folder: Path) -> None:
+    """Every opening for writing, move, removal and new folder is a step."""
+    ends: list[str] = []
+    for step in itertools.count():
+        write_folder(folder, OLD)
+        killed = killed_at(step, lambda: write_folder(folder, NEW))
+        found = {name: text for name, text in contents(folder).items() if not name.endswith(".part")}
+        marked = found.pop(UNFINISHED, None) is not None
+        ends.append("old" if found == OLD else "new" if found == NEW else "mixed")
+        assert marked or ends[-1] != "mixed"
+        assert all(found[name] in (OLD[name], NEW[name]) for name in OLD)
+        if not killed:
+            break
+    assert ends[-1] == "new"
+    assert not marked
+    assert ends.count("mixed") == len(NEW) - 1  # before every move but the first
 
 
 @pytest.mark.parametrize("name", sorted(OLD))
