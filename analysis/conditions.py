@@ -20,7 +20,7 @@ from analysis.uncertainty import (
     combine,
     difference_parts,
     mass_and_loss,
-    numerics_line,
+    prediction_lines,
     resolution_lines,
     scatter_line,
 )
@@ -89,7 +89,7 @@ def evaluate(
     n = len(runs)
     W = math.fsum(run.energy.W for run in runs) / n
     reactive = math.fsum(run.energy.reactive for run in runs) / n
-    predicted, totals, u_rel = _predicted(runs, entry)
+    predicted, totals, own = _predicted(runs, entry)
     W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
     # A condition measured once has no scatter: the instruments' noise stands in for it.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
@@ -108,7 +108,7 @@ def evaluate(
         *resolution_lines(W, reactive),
     )
     scatter = scatter_line([run.energy.W for run in runs]) or noise_line
-    lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
+    lines = (*scatter, *certified, *own)
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
@@ -137,21 +137,22 @@ def evaluate(
 
 def _predicted(
     runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
-) -> tuple[dict[str, float | None], list[float], float]:
-    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the relative
-    standard uncertainty of its numerics; nothing where a run's level is beyond the prediction's."""
+) -> tuple[dict[str, float | None], list[float], tuple[Line, ...]]:
+    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the lines of
+    the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
     if entry is None:
-        return {}, [], 0.0
+        return {}, [], ()
     prediction = Prediction.of(entry)
     levels = [run.energy.level for run in runs]
     if not all(prediction.total.reaches(a) for a in levels):
-        return {}, [], 0.0
+        return {}, [], ()
     curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
     values: dict[str, float | None] = {
         name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
     }
     values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
-    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], prediction.u_rel
+    own = prediction_lines(prediction, values["W_T"] or 0.0)
+    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], own
 
 
 def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:

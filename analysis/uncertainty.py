@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from analysis.correction import pole_phase
 from analysis.energy import Energy
 from analysis.estimate import Estimate
+from analysis.prediction import Prediction
 from analysis.runs import ChannelFacts
 
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
     "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
-    "numerics_line", "own_parts", "resolution_lines", "scatter_line",
+    "own_parts", "prediction_lines", "resolution_lines", "scatter_line",
 ]  # fmt: skip
 
 SCATTER = "scatter between runs"
@@ -176,9 +177,17 @@ def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
     )
 
 
-def numerics_line(u_rel: float, W_T: float) -> tuple[Line, ...]:
-    """The prediction's own numerics."""
-    return (Line("prediction numerics", "1", u_rel, math.inf, 0.0, W_T),) if u_rel > 0 else ()
+def prediction_lines(prediction: Prediction, W_T: float) -> tuple[Line, ...]:
+    """What W_T itself is uncertain by, those left out that contribute nothing.
+
+    Reading it between levels is wrong by chance, in each condition anew; beds that start at rest settle alike.
+    """
+    found = (
+        Line("prediction numerics", "1", prediction.u_rel, math.inf, 0.0, W_T),
+        Line("prediction between levels", "1", prediction.u_levels, math.inf, 0.0, W_T, shared=False),
+        Line("settling of the bed", "1", prediction.u_settling, math.inf, 0.0, W_T),
+    )
+    return tuple(line for line in found if line.u > 0)
 
 
 def mass_and_loss(energies: Sequence[Energy], lines: Sequence[Line], u_noise: float) -> tuple[Estimate, Estimate]:

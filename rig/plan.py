@@ -96,6 +96,8 @@ def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[flo
             name: {
                 **table,
                 "u_rel": point.u_rel,
+                "u_levels": point.u_levels,
+                "u_settling": point.u_settling,
                 "W_T_paper": point.W_T_paper,
                 "bound": _finite(point.bound),
                 "period": point.period,

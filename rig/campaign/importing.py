@@ -144,6 +144,7 @@ def _condition(
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
     predicted = prediction_document(found)["conditions"]
+    predicted[known.id]["u_settling"] = 0.0  # nobody says how long the bed was shaken before the record
     ratios = model_ratios(condition, rig)
     if ratios is not None:
         predicted[known.id]["model"] = list(ratios)
