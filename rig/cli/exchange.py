@@ -195,6 +195,5 @@ def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
         energy = run_energy(record, info.name).energy
     except AnalysisError:
         return []
-    force = np.where(energy.force == 0, np.nan, energy.force)
-    values = np.nan_to_num(energy.acceleration / force)
+    values = np.divide(energy.acceleration, energy.force, out=np.zeros_like(energy.force), where=energy.force != 0)
     return [Spectrum("acceleration", "force", "(m/s^2)/N", values, energy.frequency)]
