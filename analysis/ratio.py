@@ -101,7 +101,7 @@ def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
         return None
     try:
         found = fitted(x, y, _errors([r for r, _ in told], x, y), origin)
-    except (ValueError, np.linalg.LinAlgError):
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # points so far from a line that the search runs away
         return None
     rows = list(zip((r for r, _ in told), found.to_y, found.offset_to_y, strict=True))
     return Fit(

@@ -27,6 +27,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         beds,
         chain,
         compiling,
+        conditions,
         exciter,
         precision,
         recording,
@@ -61,6 +62,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         Job(f"scaling: {axis}", 1.5 if quick else 5.0, partial(scaling.scaling, axis, few, quick))
         for axis in scaling.AXES
     ]
+    found.append(Job("scaling: conditions", 20.0 if quick else 120.0, partial(conditions.conditions, few - 1, quick)))
     if not quick:
         found.append(Job("compiling", 90.0, partial(compiling.compiling, records.FILL, records.SETS)))
         found.append(Job("memory", 40.0, records.memory))

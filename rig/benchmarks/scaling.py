@@ -20,7 +20,7 @@ Row = dict[str, Any]
 LINEAR = 1.0
 """Largest exponent that is still at most linear; the error of the fit comes on top."""
 
-CLAIMED = ("layers", "rows", "cycles", "samples")
+CLAIMED = ("layers", "rows", "cycles", "samples", "conditions")
 
 
 def layers(count: float) -> None:

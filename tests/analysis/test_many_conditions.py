@@ -78,14 +78,15 @@ def peak(count: int, folder: Path) -> int:
     return found
 
 
-@pytest.mark.parametrize(("cost", "few"), [(calls, 80), pytest.param(peak, 400, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("cost", "few"), [(calls, 30), pytest.param(peak, 300, marks=pytest.mark.slow)])
 def test_calls_and_memory_grow_no_faster_than_conditions(
     cost: Callable[[int, Path], int], few: int, tmp_path: Path
 ) -> None:
-    """c(2n)/c(n) is 2 for what is linear and has no constant part, 4 for what goes by pairs: at most 2.04, so that no
-    more than a fiftieth goes by pairs."""
+    """(c(4n) - c(2n)) / (c(2n) - c(n)) is 2 for what is linear, whatever is constant, and 4 for what goes by pairs: at
+    most 2.2, so that no more than a tenth goes by pairs (searches take some steps more or less)."""
     report_of(2, tmp_path)  # imports and tables that are made once
-    assert cost(2 * few, tmp_path) <= 2.04 * cost(few, tmp_path)
+    one, two, four = (cost(times * few, tmp_path) for times in (1, 2, 4))
+    assert four - two <= 2.2 * (two - one)
 
 
 def by_pairs(means: list[float], counts: list[int], s: float, nu: float, level: float) -> tuple[bool, ...]:

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rig.benchmarks.claims import CLAIMS, checked, judged
+from rig.benchmarks.conditions import conditions
 from rig.benchmarks.curve import cost_at, exponent
 from rig.benchmarks.machine import ROOT
 from rig.benchmarks.methods import METHODS, Failed, Method, Work
@@ -216,3 +217,11 @@ def test_memory_is_that_of_the_process_and_not_of_the_one_that_started_it() -> N
     small = weighed_imports((), ROOT)
     assert 1.0 < small < 50.0 < ballast.nbytes / 2**20
     assert weighed_imports(("numpy",), ROOT) > small
+
+
+def test_the_axis_of_conditions_has_times_memory_and_an_exponent() -> None:
+    """Of two small sessions; how cost grows is held by tests/analysis/test_many_conditions.py, by counting."""
+    rows = conditions(1, True, (2, 4))
+    assert [row["size"] for row in rows if row["kind"] == "scaling"] == [2, 4]
+    assert [row["axis"] for row in rows if row["kind"] == "exponent"] == ["conditions"]
+    assert all(row["writer_MB"] > 10.0 for row in rows if row["kind"] == "memory")

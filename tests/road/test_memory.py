@@ -40,3 +40,19 @@ def test_a_hundred_minutes_take_no_more_than_one(small: Path, tmp_path: Path) ->
     one, hundred = (peak_megabytes(small, tmp_path / str(n), 1200 * n, "repeats=1") for n in (1, 100))
     for before, after in zip(one, hundred, strict=True):
         assert after - before < 5.0
+
+
+def exported_megabytes(protocol: Path, folder: Path, cycles: int, to: str) -> float:
+    """Peak memory of an export of one run of so many cycles."""
+    peak_megabytes(protocol, folder, cycles, "repeats=1")
+    words = ["export", str(folder), "--to", to, "--run", "1", "--out", str(folder / "exported"), "--json"]
+    done = subprocess.run([sys.executable, "-c", PEAK, *words], capture_output=True, text=True, check=True)
+    return max(float(word) for word in done.stderr.rpartition("peak")[2].split())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("to", ["csv", "uff58"])
+def test_the_export_of_half_an_hour_takes_no_more_than_of_a_minute(small: Path, tmp_path: Path, to: str) -> None:
+    """36 000 cycles: 150 MB of a channel's volts, half a gigabyte of text. Fast twin: test_export_pieces.py."""
+    minute, half_hour = (exported_megabytes(small, tmp_path / str(n), 1200 * n, to) for n in (1, 30))
+    assert half_hour - minute < 8.0
