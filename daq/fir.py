@@ -106,6 +106,7 @@ def stage_taps(outputs: int) -> tuple[Taps, Taps, Taps]:
     return taps_in(STAGE1, 0, 8, width1), taps_in(STAGE1, 4, 8, width1), taps_in(STAGE2, 0, 2, width2)
 
 
+@lru_cache
 def _skewed_taps(outputs: int, delay: float) -> tuple[tuple[IntArray, FloatArray], ...]:
     """Stage 1 for the even and the odd outputs: places of all its taps and their weights, in multiples of four."""
     newest_last = shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, delay)[::-1]
