@@ -15,7 +15,7 @@ from daq.formats.wave import CHUNK, RecordedSignal, Wave
 from daq.formats.writing import write_csv
 
 RATE = 10240.0
-FEW = 4 * CHUNK  # samples; 2 MB a channel
+FEW = 2 * CHUNK  # samples; 1 MB a channel
 WRITERS: dict[str, Callable[[Path, tuple[Wave, ...]], object]] = {
     "csv": write_csv,
     "uff58": lambda path, waves: write_uff58(path, "title", waves, []),
