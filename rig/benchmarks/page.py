@@ -89,8 +89,7 @@ with noise, codes and flags; `codes alone` has neither attributes nor tables nor
 
 {scaling}
 
-Grains only set the number of layers: from 1e5 to 1e10 of them these grow as the cube root. `conditions` is the CPU time
-of `rig report` on a session that repeats four recorded runs for each of its conditions.""",
+Grains only set the number of layers: from 1e5 to 1e10 of them these grow as the cube root.""",
     "compiling": """## Compiling
 
 Kernels are compiled once for each installation and kept. `first` is with an empty cache, `later` with a full one, each
