@@ -99,7 +99,7 @@ def test_a_jump_between_orbits_is_an_uncertainty(rig: Rig) -> None:
     W falls to a hundredth within 2 %."""
     smooth, _ = predict_about(condition(scene_of("vertical"), 2.0 * G), rig)
     steep, table = predict_about(condition(scene_of("vertical"), 4.59 * G), rig)
-    near = 2.0 * np.array(SLUG_LEVELS[9:22])
+    near = [2.0 * level for level in SLUG_LEVELS[9:22]]
     exact = [plastic_energy(level) * level**2 for level in near]
     assert smooth.u_rel < 1e-5
     assert smooth.u_levels == pytest.approx(READ * misread(near, exact) / exact[6], rel=1e-3)  # 1e-5: a curve, no jump

@@ -52,7 +52,7 @@ def largest(one: Path, other: Path, name: str) -> float:
     """Largest relative difference of a number between the conditions of two reports."""
     rows = [json.loads((folder / "report.json").read_text(encoding="utf-8"))["conditions"] for folder in (one, other)]
     pairs = [(a[name], b[name]) for a, b in zip(*rows, strict=True) if a[name]]
-    return max(abs(b / a - 1.0) for a, b in pairs)
+    return float(max(abs(b / a - 1.0) for a, b in pairs))
 
 
 def main(arguments: list[str]) -> None:
