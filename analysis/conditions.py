@@ -29,6 +29,7 @@ __all__ = ["DISSIPATED", "Result", "evaluate"]
 
 DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed", "dKE_box")
 """Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
+STINGER = "W_stinger"  # ledger column: what the stinger loses
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +124,7 @@ def evaluate(
         loss=loss,
         W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
         difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
-        chain=_chain(W, runs, (*noise_line, *certified)),
+        chain=_chain(setting, W, runs, (*noise_line, *certified)),
         detect=abs(reactive) * angle.U,
         predicted=predicted,
         coil=by_coil[0],
@@ -155,12 +156,14 @@ def _predicted(
     return {**values, **prediction.extra}, [prediction.total(a) for a in levels], own
 
 
-def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
-    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone."""
+def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
+    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through the stinger, W_exp
+    holds what that loses."""
+    columns = (*DISSIPATED, STINGER) if setting.through_stinger else DISSIPATED
     ledgers = [run.ledger for run in runs if run.ledger is not None]
     if len(ledgers) < len(runs):
         return None
-    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in DISSIPATED) / len(runs)
+    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in columns) / len(runs)
     return combine(W - true, [(line.part, line.nu) for line in lines])
 
 
