@@ -40,7 +40,7 @@ class Result:
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given.
+    the model's parameters; empty where none were given. refills: the same for beds poured anew.
     mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
     """
 
@@ -60,6 +60,7 @@ class Result:
     recorded: Recorded | None = None
     pairs: tuple[tuple[float, float], ...] = ()
     model: tuple[float, ...] = ()
+    refills: tuple[float, ...] = ()
     beyond: bool = False
 
     @property
@@ -131,6 +132,7 @@ def evaluate(
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
+        refills=tuple((entry or {}).get("refills") or ()),
         beyond=entry is not None and not predicted,
     )
 

@@ -1,7 +1,7 @@
 """Comparisons of several means: critical values and p values that keep the error of all of them together.
 
-All tests take means of ln W with a common standard deviation s (nu degrees of freedom): a scale error of a sensor adds
-the same to every ln W and cancels in each difference.
+All tests take means of ln W, each with its variance and degrees of freedom: a scale error of a sensor adds the same
+to every ln W and cancels in each difference.
 """
 
 import math
@@ -11,9 +11,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.estimate import coverage_factor
+from analysis.estimate import effective_dof
 
-__all__ = ["beaten", "best_critical", "holm", "one_sided_p"]
+__all__ = ["Mean", "beaten", "best_p", "holm", "one_sided_p", "welch"]
+
+Mean = tuple[float, float, float]
+"""A mean, its variance, and the degrees of freedom of that."""
 
 NODES = 64  # of either quadrature: critical values are good to 1e-3 from 3 degrees of freedom on (tests)
 
@@ -36,34 +39,23 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     return tuple(adjusted)
 
 
-def best_critical(counts: Sequence[float], own: int, nu: float, level: float) -> float:
-    """One-sided critical value of Dunnett's type with the mean `own` as control: the d at which
-    P(max_j (y_j - y_own) / (s sqrt(1/n_j + 1/n_own)) <= d) = 1 - level where all true means are equal.
+def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]:
+    """t of the difference of two means, and its degrees of freedom after Welch and Satterthwaite; at most `most`, all
+    that the session has: variances moderated by one prior rest on the same refills."""
+    (a, v_a, nu_a), (b, v_b, nu_b) = one, other
+    nu = effective_dof([(math.sqrt(v_a), nu_a), (math.sqrt(v_b), nu_b)])
+    return (a - b) / math.sqrt(v_a + v_b), min(nu, most)
 
-    counts: runs behind each mean; nu: degrees of freedom of s. Dunnett, J. Am. Stat. Assoc. 50, 1096 (1955).
+
+def best_p(t: float, variances: Sequence[float], own: int, nu: float) -> float:
+    """P(max_j (y_j - y_own) / sqrt(v_j + v_own) > t) where all true means are equal: Dunnett's test with the mean `own`
+    as control. variances: v of the means; nu: degrees of freedom. Dunnett, J. Am. Stat. Assoc. 50, 1096 (1955).
     """
-    others = sorted(n for j, n in enumerate(counts) if j != own)
-    return _critical(tuple(math.sqrt(n / (n + counts[own])) for n in others), nu, level)
+    loads = [math.sqrt(variances[own] / (v + variances[own])) for j, v in enumerate(variances) if j != own]
+    return 1 - _below(t, loads, nu)
 
 
-@lru_cache(maxsize=256)
-def _critical(loads: tuple[float, ...], nu: float, level: float) -> float:
-    """By the secant method from the two bounds: a single comparison, and Bonferroni's."""
-    old, new = _quantile(nu, level), _quantile(nu, level / len(loads))
-    missing_old = _below(old, loads, nu) - (1 - level)
-    while abs(new - old) > 1e-7:
-        missing = _below(new, loads, nu) - (1 - level)
-        old, new = new, new - missing * (new - old) / (missing - missing_old)
-        missing_old = missing
-    return new
-
-
-def _quantile(nu: float, level: float) -> float:
-    """One-sided t quantile."""
-    return coverage_factor(nu, 1 - 2 * level)
-
-
-def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
+def _below(d: float, loads: Sequence[float], nu: float) -> float:
     """P(max_j T_j <= d) of correlated t: given the control's error z and the scale s they are independent normals."""
     from scipy.special import gammaincinv, ndtr, ndtri
 
@@ -84,21 +76,17 @@ def _gauss() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return points, weights
 
 
-def beaten(means: Sequence[float], counts: Sequence[float], s: float, nu: float, level: float) -> tuple[bool, ...]:
+def beaten(means: Sequence[Mean], level: float, most: float = math.inf) -> tuple[bool, ...]:
     """Which means are told to be below the largest, by multiple comparisons with the best: those not beaten contain the
     best with a probability of at least 1 - level. Hsu, Ann. Statist. 9, 1026 (1981).
 
-    means: of ln W; counts: runs (or effective runs) behind each; s, nu: common standard deviation of a run and its
-    degrees of freedom.
+    They scatter differently, so that each comparison has degrees of freedom of its own (Hasler and Hothorn, Biom. J.
+    50, 793 (2008)); a mean is judged by the one that is clearest alone. most: see `welch`.
     """
-    if len(means) < 2:
-        return (False,) * len(means)
     found = []
-    for own, mean in enumerate(means):
-        ratios = [
-            (other - mean) / (s * math.sqrt(1 / n + 1 / counts[own]))
-            for j, (other, n) in enumerate(zip(means, counts, strict=True))
-            if j != own
-        ]
-        found.append(max(ratios) > best_critical(counts, own, nu, level))
+    for own, mine in enumerate(means):
+        against = [welch(other, mine, most) for j, other in enumerate(means) if j != own]
+        t, nu = min(against, key=lambda pair: one_sided_p(*pair), default=(-math.inf, math.inf))
+        lost = one_sided_p(t, nu) <= level  # else no family of comparisons is clearer
+        found.append(lost and best_p(t, [v for _, v, _ in means], own, nu) <= level)
     return tuple(found)

@@ -1,0 +1,67 @@
+"""Variances of conditions that scatter differently, each from few repeats: shrunk towards what is expected of them.
+
+Four refills tell a variance with 3 degrees of freedom: alone they decide nearly nothing, and pooled they are wrong
+where one condition scatters more than another. So each variance is expected up to a common factor (the same in all
+where nothing is known), and the true ones are taken as drawn from s0^2 nu0/chi^2(nu0) times that, with s0 and nu0
+estimated from all conditions of the session: where the expectation is right nu0 is large and the variances are
+expected ones with one factor; where it is not, each counts mostly for itself. Smyth, Stat. Appl. Genet. Mol. Biol. 3,
+3 (2004).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = ["Prior", "prior_of"]
+
+Part = tuple[float, float]  # variance, degrees of freedom
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """What the variances, over the expected ones, have in common: their size, the degrees of freedom nu that it is worth
+    (inf: all are the same), and most, the degrees of freedom of all conditions, which none can exceed."""
+
+    variance: float
+    nu: float
+    most: float
+
+    def moderated(self, variance: float, nu: float, expected: float = 1.0) -> Part:
+        """A condition's variance with its degrees of freedom, from its own (nu = 0 without repeats)."""
+        common = self.variance * expected
+        if math.isinf(self.nu):
+            return common, self.most
+        return (self.nu * common + nu * variance) / (self.nu + nu), min(self.nu + nu, self.most)
+
+
+def prior_of(parts: Sequence[Part]) -> Prior:
+    """The prior of positive variances over expected ones, each with its degrees of freedom (one at least), by the
+    moments of their logarithms.
+
+    ln s^2 of nu degrees of freedom has the mean ln sigma^2 + psi(nu/2) - ln(nu/2) and the variance psi'(nu/2); what the
+    logarithms vary beyond psi'(nu/2) is the spread of sigma^2, psi'(nu0/2).
+    """
+    from scipy.special import polygamma, psi
+
+    variance, nu = np.array(parts).T
+    most = float(nu.sum())
+    logs = np.log(variance) - psi(nu / 2) + np.log(nu / 2)
+    beyond = float(logs.var(ddof=1) - polygamma(1, nu / 2).mean()) if len(parts) > 1 else 0.0
+    if beyond <= 0:
+        return Prior(float(nu @ variance) / most, math.inf, most)
+    half = _inverse_trigamma(beyond)
+    return Prior(math.exp(float(logs.mean() + psi(half)) - math.log(half)), 2 * half, most)
+
+
+def _inverse_trigamma(value: float) -> float:
+    """x with psi'(x) = value > 0, by Newton's method on 1/psi', which is convex and nearly straight (Smyth, appendix)."""
+    from scipy.special import polygamma
+
+    x, change = 0.5 + 1 / value, math.inf
+    while abs(change) > 1e-8 * x:
+        tri = float(polygamma(1, x))
+        change = tri * (1 - tri / value) / float(polygamma(2, x))
+        x += change
+    return x
