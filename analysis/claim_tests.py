@@ -65,10 +65,12 @@ class Scatter:
     """How ln W of single runs scatters, condition by condition: each one's own variance, shrunk towards the expected one.
 
     is_expected: the variances are expected in the proportions that the prediction's refills give, otherwise alike.
+    levels: variance of ln of the levels reached, of all conditions together, which is the drive's.
     """
 
     prior: Prior
     is_expected: bool
+    levels: float
 
     @classmethod
     def of(cls, results: Iterable[Result]) -> "Scatter | None":
@@ -81,16 +83,17 @@ class Scatter:
         counted = [r for r in repeated if not _is_still(r)] or repeated
         if not counted:
             return None
-        expected = [_expected(r) for r in counted]
+        levels = _of_levels(counted)
+        expected = [_expected(r, levels) for r in counted]
         known = [variance for variance in expected if variance is not None]
         scales = known if len(known) == len(counted) else [1.0] * len(counted)
         own = map(_own_variance, counted)
         prior = prior_of([(variance / scale, nu) for (variance, nu), scale in zip(own, scales, strict=True)])
-        return cls(prior, len(known) == len(counted))
+        return cls(prior, len(known) == len(counted), levels)
 
     def run(self, result: Result) -> tuple[float, float]:
         """Variance of ln W of a run of a condition, and its degrees of freedom."""
-        expected = _expected(result) if self.is_expected else None
+        expected = _expected(result, self.levels) if self.is_expected else None
         return self.prior.moderated(*_own_variance(result), 1.0 if expected is None else expected)
 
 
@@ -105,18 +108,28 @@ def _own_variance(result: Result) -> tuple[float, float]:
     return max(_variance([math.log(run.energy.W) for run in result.runs]), RESOLUTION**2), len(result.runs) - 1.0
 
 
-def _expected(result: Result) -> float | None:
-    """Variance of ln W that the prediction's refills, the levels reached (W goes as a^n) and the instruments' noise lead
-    to expect; None where no refills were predicted."""
+def _of_levels(results: Iterable[Result]) -> float:
+    """Variance of ln of the level between the runs of a condition, pooled."""
+    square, nu = 0.0, 0
+    for result in results:
+        levels = [run.energy.level for run in result.runs]
+        if min(levels) > 0:
+            square += _variance([math.log(level) for level in levels]) * (len(levels) - 1)
+            nu += len(levels) - 1
+    return square / nu if nu else 0.0
+
+
+def _expected(result: Result, of_levels: float) -> float | None:
+    """Variance of ln W that the prediction's refills, the scatter of the levels (W goes as a^n) and the instruments'
+    noise lead to expect; None where no refills were predicted."""
     still = _is_still(result)
     if not still and (len(result.refills) < 2 or result.W_T is None):
         return None
     W = math.exp(_log(result))
     poured = 0.0 if still or result.W_T is None else _variance(result.refills) * (result.W_T.value / W) ** 2
     noise = math.fsum((run.u_noise / W) ** 2 for run in result.runs) / len(result.runs)
-    levels = [math.log(run.energy.level) for run in result.runs if run.energy.level > 0]
     n = result.predicted.get("exponent") or QUADRATIC
-    return poured + noise + n**2 * (_variance(levels) if len(levels) > 1 else 0.0) + RESOLUTION**2
+    return poured + noise + n**2 * of_levels + RESOLUTION**2
 
 
 def _variance(values: Sequence[float]) -> float:
