@@ -18,8 +18,7 @@ from analysis.estimate import Estimate, coverage_factor
 from analysis.uncertainty import Line
 
 __all__ = [
-    "ALONE", "CHAIN_SHARE", "FAILS", "Tested", "chain_tests", "common", "critical_score", "needed",
-    "sign_tests",
+    "ALONE", "CHAIN_SHARE", "FAILS", "Zero", "chain_tests", "common", "critical_score", "needed", "sign_tests",
 ]  # fmt: skip
 
 LEVEL = 0.95
@@ -31,7 +30,7 @@ SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Tested:
+class Zero:
     """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties from inputs that
     other tests share, signed, by the input's name, in the unit of `found`."""
 
@@ -53,23 +52,23 @@ def common(lines: Iterable[Line]) -> dict[str, float]:
     return {line.source: line.part for line in lines if line.shared}
 
 
-def chain_tests(results: Sequence[Result]) -> tuple[Tested, ...]:
+def chain_tests(results: Sequence[Result]) -> tuple[Zero, ...]:
     """W_exp against the rig's own ledger, of every condition that has one."""
-    return tuple(Tested(r.chain, common(r.lines)) for r in results if r.chain is not None)
+    return tuple(Zero(r.chain, common(r.lines)) for r in results if r.chain is not None)
 
 
-def sign_tests(results: Sequence[Result]) -> tuple[Tested, ...]:
+def sign_tests(results: Sequence[Result]) -> tuple[Zero, ...]:
     """The dissipated energy of every condition is not negative."""
-    return tuple(Tested(r.W_exp, common(r.lines), one_sided=True) for r in results)
+    return tuple(Zero(r.W_exp, common(r.lines), one_sided=True) for r in results)
 
 
-def critical_score(tests: Sequence[Tested], chain: Sequence[Tested] = ()) -> float:
+def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
     """Score that all tests of a healthy rig stay within in 95 % of the sessions, and CHAIN_SHARE of the chain's do."""
     rng = np.random.default_rng(SEED)
     names = sorted({name for test in (*tests, *chain) for name in test.shared})
     inputs = rng.standard_normal((DRAWS, len(names)))
 
-    def drawn(test: Tested) -> NDArray[np.float64]:
+    def drawn(test: Zero) -> NDArray[np.float64]:
         load = np.array([test.shared.get(name, 0.0) for name in names]) / (test.found.u or 1.0)
         own = math.sqrt(max(0.0, 1.0 - float(load @ load)))
         score = inputs @ load + own * rng.standard_normal(DRAWS)

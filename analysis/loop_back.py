@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from analysis.cycles import Window, on_grid
 from analysis.energy import harmonics
 from analysis.estimate import Estimate
-from analysis.family import Tested
+from analysis.family import Zero
 from analysis.nulls import Null
 from analysis.runs import AnalysisError, ChannelFacts, Record, RunFacts
 from analysis.uncertainty import ANGLE_RESOLUTION, RESOLUTION, combine, inputs_angle, inputs_gain, scatter_line
@@ -85,7 +85,7 @@ def loop_back_nulls(found: Sequence[LoopBack], channels: Mapping[str, ChannelFac
             f"{dphi.U:.2g}) and by {100 * ratio.value:.2g} % of gain (to {100 * gain.U:.1g}; {100 * ratio.U:.2g})"
         )
         verdict = "holds" if holds else "undecided"
-        tested = (Tested(dphi, {}), Tested(ratio, {}))
+        tested = (Zero(dphi, {}), Zero(ratio, {}))
         nulls.append(Null("loop-back", 0.0, frequency, len(ones), dphi, verdict, why, ratio, tested))
     return tuple(nulls)
 

@@ -1,9 +1,11 @@
 """Null tests as angles: a bed that cannot slide must look like mass, whatever the box's own losses are.
 
-W_lock - W_empty at equal acceleration holds no loss of the box (it is in both). What is left grows as a^2 where the two
-channels are out of phase by dphi, (pi/w^2) dM a^2 dphi, and as a where something rubs under the bed's weight. So
-W_lock - W_empty = alpha a^2 + beta a is fitted and dphi = w^2 alpha / (pi dM). At least three levels are needed: two
-would be fitted exactly.
+A phase error dphi between the channels adds (pi/w^2) M a^2 dphi to W, M the mass that moves; what rubs under that mass
+adds to it as M times the way. The box's own losses do not know M: they follow its way (rubbing), the mean of v^2
+(viscous) and of |v|^3 (quadratic). So all runs with the bed and of the empty box are one straight-line problem, each
+run with the motion and the mass that it measured itself: fillings differ by 1 % in mass, and the harmonics of the drive
+change what the box loses by more than the noise does. At least three levels of both are needed: two would be fitted
+exactly.
 """
 
 import math
@@ -14,15 +16,18 @@ from typing import Any
 
 import numpy as np
 
+from analysis.energy import Energy
 from analysis.estimate import Estimate
-from analysis.family import FAILS, Tested
+from analysis.family import FAILS, Zero
+from analysis.partly_known import coefficient
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.uncertainty import ANGLE_RESOLUTION, angle_uncertainty, certificate_lines, combine
 
 __all__ = ["Null", "null_tests"]
 
 LEVELS = 3
-ROUNDS = 5  # of fit and law of variance in turn
+POINTS = 4096  # of a cycle: a turning point between two is missed by at most (pi/4096)^2/2 = 3e-7 of the amplitude
+SHARES = 0.0, 0.5, 0.9, 1.0  # of a scatter that grows as W, the rest as the level
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +44,7 @@ class Null:
     verdict: str
     why: str
     gain: Estimate | None = None
-    tested: tuple[Tested, ...] = ()
+    tested: tuple[Zero, ...] = ()
 
     def judged(self, limit: float) -> "Null":
         """The same, that does not hold where a score is beyond the family's critical one."""
@@ -101,10 +106,9 @@ def _test(
             f"at least {LEVELS} levels of both are needed to tell an angle from friction"
         )
         return Null(kind, mass, frequency, len(levels), None, "undecided", why)
-    alpha = _growth([run for runs in levels for run in runs], empty)
-    scale = (2 * math.pi * frequency) ** 2 / (math.pi * mass)
+    angle = _angle([run for runs in levels for run in runs] + empty)
     certified = angle_uncertainty(channels["force"], channels["acceleration"], frequency)
-    dphi = combine(alpha.value * scale, [(alpha.u * scale, alpha.nu), (certified.u, certified.nu)])
+    dphi = combine(angle.value, [*angle.parts(), (certified.u, certified.nu)])
     holds = abs(dphi.value) <= dphi.U
     side = "within" if holds else "beyond"
     why = f"|angle| = {abs(dphi.value):.2g} rad is {side} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
@@ -113,37 +117,36 @@ def _test(
         for line in certificate_lines(channels["force"], channels["acceleration"], frequency, 0.0, 1.0)
     }
     verdict = "holds" if holds else "undecided"
-    return Null(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Tested(dphi, shared),))
+    return Null(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Zero(dphi, shared),))
 
 
-def _growth(bonded: list[RunEnergy], empty: list[RunEnergy]) -> Estimate:
-    """alpha (J s^4/m^2) in W_bonded - W_empty = alpha a^2 + beta a.
+def _angle(runs: list[RunEnergy]) -> Estimate:
+    """dphi (rad) in W = dphi (pi/w^2) M a^2 + f M way + r way + p int v^2 dt + q int |v|^3 dt of all runs.
 
-    One least-squares fit to all runs of W / a. The box's own losses, in both, follow r a + p a^2 + q a^3 (rubbing,
-    viscous, quadratic): no two runs need the same level. The noise of W / a is not even: to the instruments' noise
-    comes a scatter that grows with W. Runs are weighted by that law of variance, its share of W taken from the
-    residuals and its scale from how they then scatter: one scatter behind all runs, with the degrees of freedom of all.
+    Their scatter is the instruments' noise, and what else there is may grow as the level, as W, or between the two.
     """
-    runs = [*empty, *bonded]
-    a = np.array([run.energy.level for run in runs])
-    top = float(a.max())
-    x = a / top
-    with_bed = np.array([0.0] * len(empty) + [1.0] * len(bonded))
-    design = np.stack([np.ones_like(x), x, x * x, with_bed, with_bed * x], axis=1)
-    z = np.array([run.energy.W for run in runs]) / a
-    dof = len(runs) - design.shape[1]
-    own = np.array([run.u_noise**2 + (ANGLE_RESOLUTION * run.energy.reactive) ** 2 for run in runs])
-    share = 0.0  # variance of W over its square, beside the instruments' noise
-    variance = np.ones_like(a)
-    for _ in range(ROUNDS):
-        weight = 1 / np.sqrt(variance)
-        to_z = np.linalg.pinv(design * weight[:, None]) * weight
-        solution = to_z @ z
-        residual, W = z - design @ solution, design @ solution * a
-        beyond = (residual * a) ** 2 * len(runs) / dof - own
-        trust = (W / (own + share * W**2)) ** 2  # a square scatters as its own expectation
-        share = max(0.0, float(trust @ beyond) / float(trust @ W**2))
-        variance = (own + share * W**2) / a**2
-    scale = float((residual * weight) @ (residual * weight)) / dof
-    u = float(np.linalg.norm(to_z[4] / weight)) * math.sqrt(scale)
-    return Estimate(float(solution[4]) / top, u / top, float(dof))
+    energies = [run.energy for run in runs]
+    W, a, M, reactive = (
+        np.array([getattr(energy, name) for energy in energies]) for name in ("W", "level", "M_eff", "reactive")
+    )
+    way, square, cube = np.array([_motion(energy) for energy in energies]).T
+    noise = np.array([run.u_noise for run in runs])
+    even, proportional = a**2 / np.mean(a**2), W**2 / np.mean(W**2)
+    return coefficient(
+        np.stack([reactive, M * way, way, square, cube], axis=1), W, noise**2 + (ANGLE_RESOLUTION * reactive) ** 2,
+        [(1 - share) * even + share * proportional for share in SHARES], 0,
+    )  # fmt: skip
+
+
+def _motion(energy: Energy) -> tuple[float, float, float]:
+    """Way of the box in a cycle (m), and the integrals of v^2 (m^2/s) and |v|^3 (m^3/s^2) over it, from the harmonics
+    that were measured."""
+    most = min(energy.acceleration.size, POINTS // 2 - 1)
+    omega = 2j * math.pi * energy.frequency * np.arange(1, most + 1)
+    lines = np.zeros((2, POINTS // 2 + 1), dtype=complex)
+    lines[0, 1 : most + 1] = energy.acceleration[:most] / omega**2
+    lines[1, 1 : most + 1] = energy.acceleration[:most] / omega
+    position, velocity = np.fft.irfft(lines * (POINTS / 2), POINTS)
+    way = np.abs(np.diff(position, append=position[0])).sum()
+    speed = np.abs(velocity)
+    return float(way), float((speed**2).mean() / energy.frequency), float((speed**3).mean() / energy.frequency)

@@ -7,7 +7,7 @@ from scipy import stats
 from scipy.special import ndtri
 
 from analysis.estimate import Estimate
-from analysis.family import ALONE, Tested, critical_score, needed
+from analysis.family import ALONE, Zero, critical_score, needed
 
 # The critical score is the 95 % quantile of 10 000 draws: its probability has a standard deviation of
 # sqrt(.05 .95/10000) = .0022, and with the density of a normal score there
@@ -15,12 +15,12 @@ from analysis.family import ALONE, Tested, critical_score, needed
 NEAR = 0.075
 
 
-def apart(count: int) -> list[Tested]:
-    return [Tested(Estimate(0.0, 1.0, math.inf), {}) for _ in range(count)]
+def apart(count: int) -> list[Zero]:
+    return [Zero(Estimate(0.0, 1.0, math.inf), {}) for _ in range(count)]
 
 
-def same(count: int) -> list[Tested]:
-    return [Tested(Estimate(0.0, 2.0, math.inf), {"sensitivity": -2.0}) for _ in range(count)]
+def same(count: int) -> list[Zero]:
+    return [Zero(Estimate(0.0, 2.0, math.inf), {"sensitivity": -2.0}) for _ in range(count)]
 
 
 @pytest.mark.parametrize("count", [1, 2, 10, 100])
@@ -43,11 +43,11 @@ def test_of_the_chain_a_share_may_miss() -> None:
 
 
 def test_one_side_counts_on_its_side() -> None:
-    below, above = (Tested(Estimate(x, 1.0, math.inf), {}, one_sided=True).score for x in (-3.0, 3.0))
+    below, above = (Zero(Estimate(x, 1.0, math.inf), {}, one_sided=True).score for x in (-3.0, 3.0))
     assert (below, above) == (pytest.approx(3.0), pytest.approx(-3.0))
 
 
 def test_a_score_is_as_rare_whatever_its_degrees_of_freedom() -> None:
     for nu in (1.0, 4.0, 50.0, math.inf):
         t = Estimate(0.0, 1.0, nu).factor(0.95)
-        assert Tested(Estimate(t, 1.0, nu), {}).score == pytest.approx(ALONE)
+        assert Zero(Estimate(t, 1.0, nu), {}).score == pytest.approx(ALONE)

@@ -89,6 +89,7 @@ def test_friction_is_no_angle_and_the_coil_shows_in_the_empty_box(tmp_path: Path
     folder = ROOT / "protocols" / "gallery"
     (null,) = report_of(folder / "friction.yaml", tmp_path / "friction", varies=NULL)["nulls"]
     assert null["verdict"] == "holds"
+    assert null["U_dphi"] < 1e-4  # what rubs is told from an angle: 5 mrad would be found fifty times over
     coil = report_of(folder / "coil.yaml", tmp_path / "coil", varies=NULL)
     assert [null["verdict"] for null in coil["nulls"]] == ["holds"]
     assert "does not hold" in {row["verdict"] for row in coil["references"] if row["reference"] == "rigid mass"}
