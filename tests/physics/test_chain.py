@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rig.kernels.chain import rebound
 from rig.theory.chain import (
+    COLLAPSE,
     TooManyHits,
     chain_collision,
     chain_velocities,
@@ -174,3 +176,15 @@ def test_contact_duration_changes_nothing_where_nothing_collapses() -> None:
 def test_a_file_at_rest_stays() -> None:
     after = chain_collision(np.ones(3), 0.5, 0.0)
     assert (after.hits, after.loss) == (0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("wall", "longest", "most"),
+    [(0.0, 9, 3e-5), (0.3, 9, 3e-4), (0.75, 30, 1.3e-3), (0.85, 30, 5.3e-3), (1.0, 60, 0.0134)],
+)
+def test_the_rebound_left_out_at_collapse_is_what_the_module_says(wall: float, longest: int, most: float) -> None:
+    """Event by event, just at n (1 - e) = `COLLAPSE`, where the rebound is taken as nil."""
+    left_out = [float(rebound(n, 1.0 - COLLAPSE / n, wall)) for n in range(3, longest + 1)]
+    assert min(left_out) >= 0.0
+    assert max(left_out) <= most
+    assert wall < 0.75 or max(left_out) > 0.8 * most
