@@ -21,6 +21,7 @@ from analysis.uncertainty import (
     difference_parts,
     mass_and_loss,
     numerics_line,
+    refills_line,
     resolution_lines,
     scatter_line,
 )
@@ -109,7 +110,8 @@ def evaluate(
         *resolution_lines(W, reactive),
     )
     scatter = scatter_line([run.energy.W for run in runs]) or noise_line
-    lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
+    refills = tuple((entry or {}).get("refills") or ())
+    lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0), *refills_line(refills, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
@@ -132,7 +134,7 @@ def evaluate(
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
-        refills=tuple((entry or {}).get("refills") or ()),
+        refills=refills,
         beyond=entry is not None and not predicted,
     )
 

@@ -29,11 +29,16 @@ class Prior:
     most: float
 
     def moderated(self, variance: float, nu: float, expected: float = 1.0) -> Part:
-        """A condition's variance with its degrees of freedom, from its own (nu = 0 without repeats)."""
+        """A condition's variance with its degrees of freedom, from its own (nu = 0 without repeats).
+
+        Never less than its own: refills have long tails, and those that hold one err by as much as they scatter. With
+        it the best of fill_rate is excluded in at most 5 %, without in 8 % (tests/physics/test_claims_scatter.py).
+        """
         common = self.variance * expected
         if math.isinf(self.nu):
-            return common, self.most
-        return (self.nu * common + nu * variance) / (self.nu + nu), min(self.nu + nu, self.most)
+            return max(common, variance), self.most
+        shrunk = (self.nu * common + nu * variance) / (self.nu + nu)
+        return max(shrunk, variance), min(self.nu + nu, self.most)
 
 
 def prior_of(parts: Sequence[Part]) -> Prior:
@@ -41,14 +46,14 @@ def prior_of(parts: Sequence[Part]) -> Prior:
     moments of their logarithms.
 
     ln s^2 of nu degrees of freedom has the mean ln sigma^2 + psi(nu/2) - ln(nu/2) and the variance psi'(nu/2); what the
-    logarithms vary beyond psi'(nu/2) is the spread of sigma^2, psi'(nu0/2).
+    logarithms vary beyond psi'(nu/2) is the spread of sigma^2, psi'(nu0/2); psi'(x) is Hurwitz's zeta(2, x).
     """
-    from scipy.special import polygamma, psi
+    from scipy.special import psi, zeta
 
     variance, nu = np.array(parts).T
     most = float(nu.sum())
     logs = np.log(variance) - psi(nu / 2) + np.log(nu / 2)
-    beyond = float(logs.var(ddof=1) - polygamma(1, nu / 2).mean()) if len(parts) > 1 else 0.0
+    beyond = float(logs.var(ddof=1) - zeta(2, nu / 2).mean()) if len(parts) > 1 else 0.0
     if beyond <= 0:
         return Prior(float(nu @ variance) / most, math.inf, most)
     half = _inverse_trigamma(beyond)
@@ -57,11 +62,11 @@ def prior_of(parts: Sequence[Part]) -> Prior:
 
 def _inverse_trigamma(value: float) -> float:
     """x with psi'(x) = value > 0, by Newton's method on 1/psi', which is convex and nearly straight (Smyth, appendix)."""
-    from scipy.special import polygamma
+    from scipy.special import zeta
 
     x, change = 0.5 + 1 / value, math.inf
     while abs(change) > 1e-8 * x:
-        tri = float(polygamma(1, x))
-        change = tri * (1 - tri / value) / float(polygamma(2, x))
+        tri = float(zeta(2, x))
+        change = tri * (1 - tri / value) / (-2 * float(zeta(3, x)))
         x += change
     return x

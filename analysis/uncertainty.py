@@ -17,7 +17,8 @@ from analysis.runs import ChannelFacts
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
     "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
-    "numerics_line", "own_parts", "resolution_lines", "scatter_line",
+    "numerics_line", "own_parts", "refills_line",
+    "resolution_lines", "scatter_line",
 ]  # fmt: skip
 
 SCATTER = "scatter between runs"
@@ -211,6 +212,20 @@ def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:
     mean = math.fsum(values) / n
     s = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1))
     return (Line(SCATTER, "J", s / math.sqrt(n), float(n - 1), 1.0, shared=False),)
+
+
+def refills_line(refills: Sequence[float], W_T: float) -> tuple[Line, ...]:
+    """W_T is of the nominal bed and W_exp a mean over refills. By what the prediction's refills take more or less in the
+    mean (rectangular) the two may differ; the same sign in many conditions stays the same sign in their sum.
+
+    refills: energies of poured beds over the nominal one's.
+    """
+    apart = math.fsum(refills) / len(refills) - 1 if refills else 0.0
+    return (
+        (Line("nominal bed for the mean of refills", "1", 1 / math.sqrt(3), math.inf, 0.0, W_T * apart),)
+        if apart
+        else ()
+    )
 
 
 def own_parts(

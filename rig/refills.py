@@ -61,7 +61,9 @@ def _layers(condition: Condition, rig: Rig) -> Array:
     width = (high - low) / PLAYS
     plays = low + width * (np.arange(PLAYS) + 0.5)
     free = settings.play * slip_distance(scene.grains.diameter) * np.broadcast_to(plays, (len(bed.threshold), PLAYS))
-    each = layer_energies(bed.threshold, free, bed.row_mass, bed.restitution, drive.acceleration, drive.frequency, CYCLES)
+    each = layer_energies(
+        bed.threshold, free, bed.row_mass, bed.restitution, drive.acceleration, drive.frequency, CYCLES
+    )
     rng, found = stream(SEED, "refills", "rows"), []
     row = np.arange(len(each))[:, None]
     for packed, played in deviates.T:

@@ -162,7 +162,7 @@ def _measured(report: Report) -> str:
 def found(report: Report) -> tuple[str, ...]:
     """What else belongs to the verdict: the slope, the mean offset and what rules it, claims, flags."""
     return tuple(
-        filter(None, (_on_recorded(report), _line(report), _mean_offset(report), _claims(report), _flags(report)))
+        filter(None, (_on_recorded(report), _line(report), _mean_offset(report), _coverage(report), _claims(report), _flags(report)))
     )
 
 
@@ -209,6 +209,22 @@ def _mean_offset(report: Report) -> str:
         f"{text}, but one of them rules it: {top['id']}, where W_T is only {significant(1e3 * top['W_T'], 2)} mJ and "
         f"the offset {_percent(top['offset'])}. Without it the mean is {_percent(without)}; the median is "
         f"{_percent(median)}."
+    )
+
+
+def _coverage(report: Report) -> str:
+    """What the stated intervals hold where refills scatter with a large skew, and how many refills mend it."""
+    rows = [row for row in report["conditions"] if row.get("refill_coverage") is not None]
+    if not rows:
+        return ""
+    names = ", ".join(row["id"] for row in rows[:FEW]) + (f" and {len(rows) - FEW} more" if len(rows) > FEW else "")
+    n = sorted({len(row["runs"]) for row in rows})
+    refills = " or ".join(map(str, n))
+    needed = [row["refills_needed"] for row in rows]
+    most = "more than 128" if None in needed else str(max(needed))
+    return (
+        f"Refills scatter with a skew beyond 1 in {names}: with {refills} of them the stated 95 % of W_exp are "
+        f"{_between([row['refill_coverage'] for row in rows])} there; 93 % needs {most} refills."
     )
 
 

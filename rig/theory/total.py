@@ -74,7 +74,12 @@ def sliding_rows(threshold: Array, play: Array, row_restitution: float, accelera
 
 
 def layer_energies(
-    threshold: Array, play: Array, row_mass: float, row_restitution: float, acceleration: float, frequency: float,
+    threshold: Array,
+    play: Array,
+    row_mass: float,
+    row_restitution: float,
+    acceleration: float,
+    frequency: float,
     averaged_cycles: int,
 ) -> Array:
     """Energy per cycle of each row, J, shape (layers, rows); arguments as for `closed_tier`. Raises TooManyEvents."""
