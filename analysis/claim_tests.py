@@ -62,7 +62,8 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """How ln W of single runs scatters, condition by condition: each one's own variance, shrunk towards the expected one.
+    """How ln W of single runs scatters, condition by condition: each one's own variance, shrunk
+    towards the expected one.
 
     is_expected: the variances are expected in the proportions that the prediction's refills give, otherwise alike.
     levels: variance of ln of the levels reached, of all conditions together, which is the drive's.
@@ -93,8 +94,9 @@ class Scatter:
 
     def run(self, result: Result) -> tuple[float, float]:
         """Variance of ln W of a run of a condition, and its degrees of freedom."""
-        expected = _expected(result, self.levels) if self.is_expected else None
-        return self.prior.moderated(*_own_variance(result), 1.0 if expected is None else expected)
+        return self.prior.moderated(
+            *_own_variance(result), _expected(result, self.levels) if self.is_expected else None
+        )
 
 
 def _is_still(result: Result) -> bool:
@@ -122,11 +124,13 @@ def _of_levels(results: Iterable[Result]) -> float:
 def _expected(result: Result, of_levels: float) -> float | None:
     """Variance of ln W that the prediction's refills, the scatter of the levels (W goes as a^n) and the instruments'
     noise lead to expect; None where no refills were predicted."""
-    still = _is_still(result)
-    if not still and (len(result.refills) < 2 or result.W_T is None):
+    total = result.W_T.value if result.W_T is not None else None
+    if _is_still(result):
+        total = 0.0
+    if total is None or (total and len(result.refills) < 2):
         return None
     W = math.exp(_log(result))
-    poured = 0.0 if still or result.W_T is None else _variance(result.refills) * (result.W_T.value / W) ** 2
+    poured = _variance(result.refills) * (total / W) ** 2 if total else 0.0
     noise = math.fsum((run.u_noise / W) ** 2 for run in result.runs) / len(result.runs)
     n = result.predicted.get("exponent") or QUADRATIC
     return poured + noise + n**2 * of_levels + RESOLUTION**2
@@ -203,9 +207,9 @@ def optimum(levels: Sequence[Level], question: Question) -> Finding:
         return _without_scatter(levels)
     labels = [level.label for level in levels]
     top = max(range(len(labels)), key=found.means.__getitem__)  # by the mean, which comes first
-    out, out_for_sure = (beaten(found.means, level, found.most) for level in (LEVEL, question.against))
-    left = tuple(label for label, lost in zip(labels, out, strict=True) if not lost)
-    named = [lost for label, lost in zip(labels, out_for_sure, strict=True) if label in question.values]
+    p = beaten(found.means, found.most)
+    left = tuple(label for label, of in zip(labels, p, strict=True) if of > LEVEL)
+    named = [of <= question.against for label, of in zip(labels, p, strict=True) if label in question.values]
     why = f"{_listed(left)} {'is' if len(left) == 1 else 'are'} not beaten by another of {len(labels)} values"
     why += f" ({_scatter(found)}){_predicted_best(levels)}"
     if len(labels) < 2 or not named or not found.seen[top]:

@@ -24,6 +24,7 @@ from analysis.uncertainty import (
     refills_line,
     resolution_lines,
     scatter_line,
+    skew,
 )
 
 __all__ = ["DISSIPATED", "Result", "evaluate"]
@@ -109,14 +110,14 @@ def evaluate(
         ),
         *resolution_lines(W, reactive),
     )
-    scatter = scatter_line([run.energy.W for run in runs]) or noise_line
     refills = tuple((entry or {}).get("refills") or ())
+    scatter = scatter_line([run.energy.W for run in runs], skew(refills)) or noise_line
     lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0), *refills_line(refills, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
-    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise)
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, skew(refills))
     return Result(
         setting=setting,
         runs=tuple(runs),
@@ -131,7 +132,7 @@ def evaluate(
         predicted=predicted,
         coil=by_coil[0],
         coil_apart=by_coil[1],
-        recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
+        recorded=on_recorded(runs, W, (*scatter, *certified), exponent, refills),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
         refills=refills,

@@ -1,18 +1,25 @@
-"""Comparisons of several means: critical values and p values that keep the error of all of them together.
+"""Comparisons of several means: p values that keep the error of all of them together.
 
-All tests take means of ln W, each with its variance and degrees of freedom: a scale error of a sensor adds the same
-to every ln W and cancels in each difference.
+All tests take means of ln W, each with its variance and degrees of freedom: a scale error of a
+sensor adds the same to every ln W and cancels in each difference.
 """
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from analysis.estimate import effective_dof
 
 __all__ = ["Mean", "beaten", "holm", "one_sided_p", "welch"]
 
+Array = NDArray[np.float64]
 Mean = tuple[float, float, float]
 """A mean, its variance, and the degrees of freedom of that."""
+
+REACH, STEP = 7.0, 0.02  # of the sum over a normal deviate, standard deviations
 
 
 def one_sided_p(t: float, nu: float) -> float:
@@ -34,22 +41,42 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 
 def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]:
-    """t of the difference of two means, and its degrees of freedom after Welch and Satterthwaite; at most `most`, all
-    that the session has: variances moderated by one prior rest on the same refills."""
+    """t of the difference of two means, and its degrees of freedom after Welch and Satterthwaite;
+    at most `most`, all that the session has: variances moderated by one prior rest on the same
+    refills."""
     (a, v_a, nu_a), (b, v_b, nu_b) = one, other
     nu = effective_dof([(math.sqrt(v_a), nu_a), (math.sqrt(v_b), nu_b)])
     return (a - b) / math.sqrt(v_a + v_b), min(nu, most)
 
 
-def beaten(means: Sequence[Mean], level: float, most: float = math.inf) -> tuple[bool, ...]:
-    """Which means are told to be below another, by multiple comparisons with the best (Hsu, Ann. Statist. 9, 1026
-    (1981)): those not beaten contain the best with a probability of at least 1 - level.
+def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
+    """p of each mean, with which it is told to be below another: those of more than a level contain
+    the best with a probability of at least 1 - level (multiple comparisons with the best; Hsu, Ann.
+    Statist. 9, 1026 (1981)).
 
-    They scatter differently, so that each comparison has an error and degrees of freedom of its own; the clearest of
-    a mean's comparisons is judged at the level over their number (Bonferroni). most: see `welch`.
+    They scatter differently, so that each comparison has an error and degrees of freedom of its
+    own; the clearest of a mean's comparisons is judged by how clear the clearest of as many would be
+    by chance. These have the mean's own error in common: one that scatters much is compared with
+    all others at nearly the level of a single test. most: see `welch`.
     """
+    from scipy.special import ndtr, ndtri
+
     found = []
-    for own, mine in enumerate(means):
-        against = [one_sided_p(*welch(other, mine, most)) for j, other in enumerate(means) if j != own]
-        found.append(min(against, default=1.0) * len(against) <= level)
+    for place, mine in enumerate(means):
+        others = [mean for i, mean in enumerate(means) if i != place]
+        if not others:
+            return (1.0,)
+        score = -float(ndtri(min(one_sided_p(*welch(other, mine, most)) for other in others)))
+        variance = np.array([other[1] for other in others])[:, None]
+        own, weights = _normal()
+        reach = score * np.sqrt(variance + mine[1]) + math.sqrt(mine[1]) * own
+        found.append(1.0 - float(ndtr(reach / np.sqrt(variance)).prod(axis=0) @ weights))
     return tuple(found)
+
+
+@lru_cache(maxsize=1)
+def _normal() -> tuple[Array, Array]:
+    """Normal deviates and their weights, whose sum is 1."""
+    deviates = np.arange(-REACH, REACH + STEP / 2, STEP)
+    weights = np.exp(-(deviates**2) / 2)
+    return deviates, weights / weights.sum()

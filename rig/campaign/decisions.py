@@ -1,7 +1,9 @@
-"""Which claims of a protocol its repeats can decide: the report's own tests, on the session that is to be expected.
+"""Which claims of a protocol its repeats can decide: the report's own tests, on the session that is
+to be expected.
 
-Every condition has the energies that were looked at, its refills lie evenly over their distribution, and instruments are
-as good as their certificates: what the tests then say of a claim is what most sessions of that many repeats will say.
+Every condition has the energies that were looked at, its refills lie evenly over their distribution,
+and instruments are as good as their certificates: what the tests then say of a claim is what most
+sessions of that many repeats will say.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,8 +29,9 @@ TRIED = (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, MOST)
 
 @dataclass(frozen=True)
 class Expected:
-    """A condition as it will be measured: facts of the session, energy W that is expected (J per cycle), apparent mass
-    (kg), level (m/s^2), its entry in the prediction document, the samples that count, energies of poured beds over W_T."""
+    """A condition as it will be measured: facts of the session, energy W that is expected (J per
+    cycle), apparent mass (kg), level (m/s^2), its entry in the prediction document, the samples that
+    count, energies of poured beds over W_T."""
 
     facts: Mapping[str, Any]
     W: float
@@ -41,8 +44,9 @@ class Expected:
 
 @dataclass(frozen=True)
 class Decision:
-    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest of TRIED from which on
-    it is decided, None where MOST are not enough; found: what is expected then; why: in the report's words."""
+    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest
+    of TRIED from which on it is decided, None where MOST are not enough; found: what is expected then;
+    why: in the report's words."""
 
     claim: str
     verdict: str

@@ -1,6 +1,6 @@
 """Looking ahead: what each condition asks of exciter, front end and disk, and what its repeats will be able to tell."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -13,9 +13,10 @@ from analysis.uncertainty import angle_uncertainty, certificate_lines, combine, 
 from daq.channel import ChannelInfo
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
-from rig.campaign.decisions import Expected
+from rig.campaign.decisions import Decision, Expected, decisions
 from rig.campaign.look import Look, look_coupled, look_servo
 from rig.campaign.setup import Campaign
+from rig.cases import cases
 from rig.drive.exciter import Demand
 from rig.model import predict_about
 from rig.plan import condition_facts, has_level, prediction_document
@@ -115,6 +116,13 @@ def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
         yield from pool.map(lambda condition: outlook(campaign, condition), campaign.conditions)
 
 
+def decided(campaign: Campaign, outlooks: Sequence[Outlook]) -> list[Decision]:
+    """What can be decided of each claim of the protocol."""
+    expected = [one.expected for one in outlooks if one.expected is not None]
+    channels = campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
+    return decisions(cases(campaign.protocol, campaign.conditions), expected, channels, campaign.protocol.repeats.n)
+
+
 def disk(campaign: Campaign) -> int:
     """Bytes that the session's samples will take."""
     samples = sum(campaign.lengths[run.condition.id].samples for run in campaign.runs)
@@ -166,11 +174,15 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
 
 
 def _plan(
-    campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], look: Look, reactive: float,
+    campaign: Campaign,
+    condition: Condition,
+    channels: tuple[ChannelInfo, ...],
+    look: Look,
+    reactive: float,
     s: float,
 ) -> tuple[float | None, float | None, int | None]:
-    """s: standard deviation of W between refills, J. Expected U of W_exp, smallest decidable difference of two conditions, J; None where one run shows no scatter.
-    Repeats needed, see Outlook."""
+    """Expected U of W_exp and smallest decidable difference of two conditions, J; None where one run shows no
+    scatter. Repeats needed, see Outlook. s: standard deviation of W between refills, J."""
     n, W = campaign.protocol.repeats.n, look.lost
     frequency, rate = condition.drive.frequency, campaign.lengths[condition.id].rate
     force, acceleration = channels[:2]

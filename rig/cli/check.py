@@ -4,11 +4,9 @@ import sys
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict, replace
 
-from daq.frontend import FILTER_DELAY
 from rig.campaign import Campaign
-from rig.campaign.decisions import MOST, Decision, decisions
-from rig.campaign.preflight import Outlook, disk, preflight
-from rig.cases import cases
+from rig.campaign.decisions import MOST, Decision
+from rig.campaign.preflight import Outlook, decided, disk, preflight
 from rig.cli.output import cores, print_json
 from rig.cli.tables import millijoules, number, table, terminal
 
@@ -29,12 +27,7 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         "stand_time_s": seconds,
         "disk_bytes": disk(campaign),
     }
-    found = decisions(
-        cases(campaign.protocol, campaign.conditions),
-        [o.expected for o in outlooks if o.expected is not None],
-        campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY),
-        repeats,
-    )
+    claims = decided(campaign, outlooks)
     unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
     unmet += [f"{c}: the tolerance is not met: {found.why}" for c, found in campaign.choices.items() if not found.met]
     if as_json:
@@ -44,11 +37,11 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         if campaign.choices:
             rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
-        print_json({"conditions": rows, "claims": [asdict(one) for one in found], **shown, "unmet": unmet})
+        print_json({"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet})
     else:
         swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
         _print_outlook(outlooks, totals, swept)
-        _print_decisions(found, repeats)
+        _print_decisions(claims, repeats)
         used = {
             "force": max(o.range_force for o in outlooks),
             "acceleration": max(o.range_acceleration for o in outlooks),
