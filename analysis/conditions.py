@@ -13,6 +13,7 @@ from analysis.estimate import Estimate
 from analysis.prediction import Prediction
 from analysis.recorded import Recorded, on_recorded
 from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.skewed import stretch
 from analysis.uncertainty import (
     Line,
     angle_uncertainty,
@@ -24,7 +25,6 @@ from analysis.uncertainty import (
     refills_line,
     resolution_lines,
     scatter_line,
-    skew,
 )
 
 __all__ = ["DISSIPATED", "Result", "evaluate"]
@@ -111,13 +111,14 @@ def evaluate(
         *resolution_lines(W, reactive),
     )
     refills = tuple((entry or {}).get("refills") or ())
-    scatter = scatter_line([run.energy.W for run in runs], skew(refills)) or noise_line
+    factor = stretch(refills, n)
+    scatter = scatter_line([run.energy.W for run in runs], factor) or noise_line
     lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0), *refills_line(refills, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
-    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, skew(refills))
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
     return Result(
         setting=setting,
         runs=tuple(runs),

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Mean = tuple[float, float, float]
 """A mean, its variance, and the degrees of freedom of that."""
 
-REACH, STEP = 7.0, 0.02  # of the sum over a normal deviate, standard deviations
+REACH, STEP = 7.0, 0.05  # of the sum over a normal deviate, standard deviations
 
 
 def one_sided_p(t: float, nu: float) -> float:

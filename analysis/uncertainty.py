@@ -17,18 +17,12 @@ from analysis.runs import ChannelFacts
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
     "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
-    "numerics_line", "own_parts", "refills_line", "resolution_lines", "scatter_line", "skew",
-    "skew_of", "stretched",
+    "numerics_line", "own_parts", "refills_line", "resolution_lines", "scatter_line", "stretch_of",
 ]  # fmt: skip
 
 SCATTER = "scatter between runs"
 
 CERTIFICATE_NU = 50.0  # degrees of freedom of a calibration certificate that states k = 2
-STRETCH = 0.4
-"""Of the scatter between n runs whose distribution has the skew g, by STRETCH g^2/n. Where a few refills lie far below
-all others, four of them mostly miss these, err high and agree too well: Student's interval holds the mean in 92 % at
-g = -0.9, stretched in 93.7 % (tests/physics/test_refill_coverage.py)."""
-
 RESOLUTION = 1e-4  # relative standard uncertainty of the arithmetic (interpolation, filter ripple, window edges)
 ANGLE_RESOLUTION = 5e-6  # rad, standard uncertainty of the same between the two channels
 
@@ -38,8 +32,8 @@ class Line:
     """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition.
 
     ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad, counted in the
-    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`). skew: of the
-    distribution that the scatter between runs comes from.
+    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`). stretch:
+    factor in u, of the scatter between runs (`analysis.skewed`).
     """
 
     source: str
@@ -51,7 +45,7 @@ class Line:
     shared: bool = True
     ratio: float = 0.0
     turn: float = 0.0
-    skew: float = 0.0
+    stretch: float = 1.0
 
     @property
     def part(self) -> float:
@@ -190,12 +184,13 @@ def numerics_line(u_rel: float, W_T: float) -> tuple[Line, ...]:
 
 
 def mass_and_loss(
-    energies: Sequence[Energy], lines: Sequence[Line], u_noise: float, skew: float = 0.0
+    energies: Sequence[Energy], lines: Sequence[Line], u_noise: float, stretch: float = 1.0
 ) -> tuple[Estimate, Estimate]:
     """Return apparent mass M (kg) and loss factor eta of a condition, means over its runs.
 
-    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments; skew: of its distribution over runs. With M + j M_i = F/A at the fundamental
-    and eta = -M_i/M, a relative change r of |F/A| and a turn t change M by r M - t eta M and eta by t (1 + eta^2).
+    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments; stretch: of W's scatter. With M + j M_i =
+    F/A at the fundamental and eta = -M_i/M, a relative change r of |F/A| and a turn t change M by r M - t eta M and eta
+    by t (1 + eta^2).
     Noise of the quadrature that makes W has an equal in the other, which makes M. A condition measured once has no
     scatter: that noise then takes its place, as it does for W.
     """
@@ -207,44 +202,29 @@ def mass_and_loss(
     shared = [line for line in lines if line.ratio or line.turn]
     of_mass = [(line.u * (line.ratio - line.turn * eta) * M, line.nu) for line in shared]
     of_loss = [(line.u * line.turn * (1 + eta**2), line.nu) for line in shared]
-    for values, parts, noise, g in (
-        (masses, of_mass, angle * M, 0.0),
-        (losses, of_loss, angle * math.sqrt(1 + eta**2), skew),
+    for values, parts, noise, factor in (
+        (masses, of_mass, angle * M, 1.0),
+        (losses, of_loss, angle * math.sqrt(1 + eta**2), stretch),
     ):
-        scatter = scatter_line(values, g) or (Line(SCATTER, "1", abs(noise), math.inf, 1.0),)
+        scatter = scatter_line(values, factor) or (Line(SCATTER, "1", abs(noise), math.inf, 1.0),)
         parts += [(line.u, line.nu) for line in scatter]
     return combine(M, of_mass), combine(eta, of_loss)
 
 
-def scatter_line(values: Sequence[float], skew: float = 0.0) -> tuple[Line, ...]:
-    """Type A: scatter between runs over the root of their number (GUM 4.2), stretched where their distribution is
-    known to be skewed; nothing for a single run."""
+def scatter_line(values: Sequence[float], stretch: float = 1.0) -> tuple[Line, ...]:
+    """Type A: scatter between runs over the root of their number (GUM 4.2), times a factor for what is known of their
+    distribution; nothing for a single run."""
     n = len(values)
     if n < 2:
         return ()
     mean = math.fsum(values) / n
     s = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1))
-    u = s / math.sqrt(n) * stretched(skew, n)
-    return (Line(SCATTER, "J", u, float(n - 1), 1.0, shared=False, skew=skew),)
+    return (Line(SCATTER, "J", stretch * s / math.sqrt(n), float(n - 1), 1.0, shared=False, stretch=stretch),)
 
 
-def stretched(skew: float, n: int) -> float:
-    """Factor on the scatter of n runs, see STRETCH."""
-    return 1 + STRETCH * skew**2 / n
-
-
-def skew(values: Sequence[float]) -> float:
-    """Third central moment over the cube of the standard deviation; 0 without scatter."""
-    if len(values) < 2:
-        return 0.0
-    mean = math.fsum(values) / len(values)
-    second, third = (math.fsum((x - mean) ** power for x in values) / len(values) for power in (2, 3))
-    return third / second**1.5 if second > 0 else 0.0
-
-
-def skew_of(lines: Iterable[Line]) -> float:
-    """Skew behind the scatter between runs of a budget; 0 where it is not known."""
-    return next((line.skew for line in lines if line.source == SCATTER), 0.0)
+def stretch_of(lines: Iterable[Line]) -> float:
+    """The factor in the scatter between runs of a budget; 1 where it has none."""
+    return next((line.stretch for line in lines if line.source == SCATTER), 1.0)
 
 
 def refills_line(refills: Sequence[float], W_T: float) -> tuple[Line, ...]:
@@ -271,7 +251,7 @@ def own_parts(
         for line in lines
         if not line.shared and line.source != SCATTER
     ]  # fmt: skip
-    combined = scatter_line([d_exp * W + d_T * W_T for W, W_T in pairs], skew_of(lines))
+    combined = scatter_line([d_exp * W + d_T * W_T for W, W_T in pairs], stretch_of(lines))
     return parts + [(line.u, line.nu) for line in combined]
 
 

@@ -57,7 +57,9 @@ CONDITION = Keys(
         {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
         {"offset_terms": Keys(dict.fromkeys(TERMS, VALUE), null=True)},
     ),
-    _each("W_T_low W_T_high E_n_model refill_mean refill_skew refill_coverage refills_needed", KNOWN)
+    _each(
+        "W_T_low W_T_high E_n_model refill_mean refill_skew refill_coverage refill_coverage_plain refills_needed", KNOWN
+    )
     | {"varied": Each(Text())},
 )
 LINE = Keys(_each("slope U_slope intercept U_intercept", KNOWN) | _each("chi2 dof", VALUE), null=True)

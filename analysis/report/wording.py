@@ -223,10 +223,14 @@ def _nominal(report: Report) -> str:
     if abs(most["refill_mean"]) < TOLD:
         return ""
     return (
-        f"W_T is of the nominal bed. By the model beds poured anew take {_percent(mean)} of it more in the mean over "
-        f"the conditions, most in {most['id']} ({_percent(most['refill_mean'])}; a minus is less): that stands in U "
-        "of W_T, offset and ratio and is not taken out of their values."
+        f"W_T is of the nominal bed. By the model beds poured anew take {_beyond(mean)} in the mean over the "
+        f"conditions, most apart in {most['id']} ({_beyond(most['refill_mean'])}): this stands in U of W_T, offset and "
+        "ratio and is not taken out of their values."
     )
+
+
+def _beyond(share: float) -> str:
+    return f"{_percent(abs(share))} {'more' if share > 0 else 'less'}"
 
 
 def _coverage(report: Report) -> str:
@@ -235,22 +239,24 @@ def _coverage(report: Report) -> str:
     if not rows:
         return ""
     shown = [
-        f"{row['id']} (skew {row['refill_skew']:.1f}) {100 * row['refill_coverage']:.1f} %{_needs(row)}"
-        for row in sorted(rows, key=lambda row: row["refill_coverage"])
+        f"{row['id']} (skew {row['refill_skew']:.1f}) {100 * row['refill_coverage']:.1f} % "
+        f"({100 * row['refill_coverage_plain']:.1f} %{_needs(row)})"
+        for row in sorted(rows, key=lambda row: row["refill_coverage_plain"])
     ]
-    rest = f" and {len(shown) - FEW} more, at least as many" if len(shown) > FEW else ""
+    rest = f", in {len(shown) - FEW} more no less" if len(shown) > FEW else ""
     return (
-        "Few refills of a skewed scatter agree too well, and U cannot know it all. Drawn from the model's refills, "
-        f"of the stated 95 % of W_exp hold the mean of all refills: {', '.join(shown[:FEW])}{rest}."
+        "Few refills of a skewed scatter agree too well, so that U is stretched. Of the intervals for 95 % of W_exp hold "
+        "the mean of all refills, drawn from the model's, as stated (and of Student's t as it is): "
+        f"{', '.join(shown[:FEW])}{rest}."
     )
 
 
 def _needs(row: Report) -> str:
-    """How many refills a condition needs for 93 %, where it has fewer."""
+    """How many refills Student's t needs for 93 %, where there are fewer."""
     needed = row["refills_needed"]
     if needed is not None and needed <= len(row["runs"]):
         return ""
-    return " (93 % needs more than 128 refills)" if needed is None else f" (93 % needs {needed} refills)"
+    return ", 93 % with " + ("more than 128 refills" if needed is None else f"{needed} refills")
 
 
 def _claims(report: Report) -> str:
