@@ -24,7 +24,7 @@ from rig.theory.total import TooManyEvents, layer_energies
 
 Array = NDArray[np.float64]
 
-COUNT = 128
+COUNT = 256
 """Beds poured; packing and play are drawn once from each of as many equally likely ranges, so that
 their means are much better than those of as many free draws."""
 
@@ -72,12 +72,18 @@ def _layers(condition: Condition, rig: Rig) -> Array:
     each = layer_energies(
         bed.threshold, free, bed.row_mass, bed.restitution, drive.acceleration, drive.frequency, CYCLES
     )
-    stratum = np.arange(settings.rows) + rng.random((COUNT, mobile, settings.rows))
-    spread = 1.0 - settings.spread + (2.0 * settings.spread / settings.rows) * stratum
-    play = np.maximum(1.0 + rig.refill_play * played, 0.0)[:, None, None] * spread
-    place = np.rint((play - start) / width).astype(np.int32)
-    np.minimum(np.maximum(place, 0, out=place), count - 1, out=place)
-    of_layers = each[np.arange(mobile)[:, None], place].sum(axis=2)
+    # positions of the rows in their strata, then plays, then places in the layer's grid, all in one array
+    place = rng.random((COUNT, mobile, settings.rows), np.float32)
+    place += np.arange(settings.rows, dtype=np.float32)
+    place *= 2.0 * settings.spread / settings.rows
+    place += 1.0 - settings.spread
+    place *= np.maximum(1.0 + rig.refill_play * played, 0.0).astype(np.float32)[:, None, None]
+    place -= (start - 0.5 * width).astype(np.float32)
+    place /= np.float32(width)
+    np.clip(place, 0.0, count - 0.5, out=place)
+    index = place.astype(np.intp)
+    index += count * np.arange(mobile)[:, None]
+    of_layers = each.ravel().take(index).sum(axis=2)
     share = [mobile_share(scene.grains.fill, rig.packing_shaken * p, rig.packing_loose) for p in packing]
     top = np.cumsum(np.pad(of_layers, ((0, 0), (1, 0))), axis=1)
     moving = np.rint(np.array(share) * layers).astype(int)

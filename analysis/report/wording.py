@@ -245,8 +245,8 @@ def _coverage(report: Report) -> str:
     ]
     rest = f", in {len(shown) - FEW} more no less" if len(shown) > FEW else ""
     return (
-        "Few refills of a skewed scatter agree too well, so that U is stretched. Of the intervals for 95 % of W_exp hold "
-        "the mean of all refills, drawn from the model's, as stated (and of Student's t as it is): "
+        "Few refills of a skewed scatter agree too well, so that U is stretched. Of the intervals for 95 % of W_exp "
+        "hold the mean of all refills, drawn from the model's, as stated (and of Student's t as it is): "
         f"{', '.join(shown[:FEW])}{rest}."
     )
 

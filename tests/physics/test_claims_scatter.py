@@ -1,7 +1,7 @@
 """How often the true best fill is excluded, and how often it is found, with refills of the bed itself.
 
-`PYTHONPATH=. python tests/physics/test_claims_scatter.py 800` prints both at 4 and 8 refills, beside Dunnett's test with
-one scatter pooled over the fills, which excludes the best too often.
+`PYTHONPATH=. python tests/physics/test_claims_scatter.py 600` prints both at 4 and 8 refills, beside Dunnett's test
+with one scatter pooled over the fills, which excludes the best too often.
 """
 
 import sys

@@ -1,6 +1,5 @@
 """What `rig check` says of claims before anything is measured: whether they can be decided, and by how many repeats."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -64,8 +63,6 @@ def test_check_says_it(tmp_path: Path):
     done = CliRunner().invoke(app, ["check", str(path)], env={"COLUMNS": "200"})
     assert done.exit_code == 0
     assert "not by 100" in done.stdout
-    claims = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)["claims"]
-    assert [(one["claim"], one["repeats"]) for one in claims[:2]] == [("within the certificates", None), ("wide", 2)]
 
 
 @pytest.mark.slow
