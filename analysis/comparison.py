@@ -17,6 +17,7 @@ from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, line_through, propagated, recorded_ratio
 from analysis.recorded import Recorded
 from analysis.references import references, signs
+from analysis.refills import refills_row
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.three_comparisons import comparisons, model_row
 from analysis.uncertainty import Line
@@ -52,8 +53,9 @@ def agreement(
     """The report of a session.
 
     runs: energies of its runs. conditions: by id, in the order to report. prediction: {"conditions": {id:
-    {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel", "u_levels", "u_settling", "W_T_paper",
-    "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
+    {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel", "u_levels", "u_settling", "refills":
+    [energies of poured beds over W_T], "W_T_paper", "bound", "period", "periodic_share"}}}, None for none: plain
+    numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
     actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
@@ -171,7 +173,7 @@ def _row(result: Result, empties: Mapping[tuple[Any, ...], Result]) -> dict[str,
         **{name: got.get(name) for name in ("W_f", "W_c", "W_T_paper", "bound", "exponent")},
         "offset": offset.value if offset else None, "U_offset": offset.U if offset else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
-        **model_row(result), **_recorded(result),
+        **model_row(result), **refills_row(result), **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
         "E_n_coil": _E_n(result.coil_apart),
         **_at_box(result),

@@ -13,6 +13,7 @@ from analysis.estimate import Estimate
 from analysis.prediction import Prediction
 from analysis.recorded import Recorded, on_recorded
 from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.skewed import stretch
 from analysis.uncertainty import (
     Line,
     angle_uncertainty,
@@ -21,6 +22,7 @@ from analysis.uncertainty import (
     difference_parts,
     mass_and_loss,
     prediction_lines,
+    refills_line,
     resolution_lines,
     scatter_line,
 )
@@ -41,7 +43,7 @@ class Result:
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given.
+    the model's parameters; empty where none were given. refills: the same for beds poured anew.
     mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
     """
 
@@ -61,6 +63,7 @@ class Result:
     recorded: Recorded | None = None
     pairs: tuple[tuple[float, float], ...] = ()
     model: tuple[float, ...] = ()
+    refills: tuple[float, ...] = ()
     beyond: bool = False
 
     @property
@@ -108,13 +111,15 @@ def evaluate(
         ),
         *resolution_lines(W, reactive),
     )
-    scatter = scatter_line([run.energy.W for run in runs]) or noise_line
-    lines = (*scatter, *certified, *own)
+    refills = tuple((entry or {}).get("refills") or ())
+    factor = stretch(refills, n)
+    scatter = scatter_line([run.energy.W for run in runs], factor) or noise_line
+    lines = (*scatter, *certified, *own, *refills_line(refills, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
-    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise)
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
     return Result(
         setting=setting,
         runs=tuple(runs),
@@ -129,9 +134,10 @@ def evaluate(
         predicted=predicted,
         coil=by_coil[0],
         coil_apart=by_coil[1],
-        recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
+        recorded=on_recorded(runs, W, (*scatter, *certified), exponent, refills),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
+        refills=refills,
         beyond=entry is not None and not predicted,
     )
 

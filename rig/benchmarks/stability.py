@@ -39,8 +39,8 @@ def page() -> str:
 
 
 def differences(stored: str, made: str) -> list[str]:
-    """Lines in which two pages differ. Machines round apart, and libraries: what is said to lie below a power of ten may
-    come out smaller, or by one decade larger; what has "~" may differ by a tenth."""
+    """Lines in which two pages differ. Machines round apart, and libraries: what is said to lie below a power of ten
+    may come out smaller, or by one decade larger; what has "~" may differ by a tenth."""
     old, new = stored.splitlines(), made.splitlines()
     if len(old) != len(new):
         return [f"{len(old)} lines stored, {len(new)} made"]

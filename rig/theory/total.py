@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.kernels.row import MAX_EVENTS, Rows
-from rig.kernels.rows import LONGEST_SPAN, steady_and_window
+from rig.kernels.rows import LONGEST_SPAN, steady_and_window, steady_energy
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 
@@ -75,6 +75,34 @@ def sliding_rows(threshold: Array, play: Array, row_restitution: float, accelera
     return Rows(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
 
 
+def layer_energies(
+    threshold: Array,
+    play: Array,
+    row_mass: float,
+    row_restitution: float,
+    acceleration: float,
+    frequency: float,
+    averaged_cycles: int,
+) -> Array:
+    """Energy per cycle of each row, J, shape (layers, rows); arguments as for `closed_tier`. Raises TooManyEvents."""
+    energy = np.zeros(play.shape)
+    rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
+    if rows.play.size:
+        friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
+        _refuse(period)
+        unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
+        energy[threshold < acceleration] = unit * (friction + collision).reshape(-1, play.shape[1])
+    return energy
+
+
+def _refuse(period: NDArray[np.int64]) -> None:
+    """Raise TooManyEvents where a row could not be followed."""
+    if (period == -1).any():
+        raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
+    if (period == -2).any():
+        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
+
+
 def closed_tier(
     threshold: Array,
     play: Array,
@@ -99,10 +127,7 @@ def closed_tier(
     friction, collision, period, seen = steady_and_window(
         rows, np.ones(1), np.zeros(1), averaged_cycles, window or (0, 0)
     )
-    if (period == -1).any():
-        raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
-    if (period == -2).any():
-        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
+    _refuse(period)
     unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
     each = friction + collision
     taken = float(each.sum())
