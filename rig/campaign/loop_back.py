@@ -49,7 +49,7 @@ class LoopBack:
     def read(self, n: int) -> NDArray[np.float64]:
         """Next n interval means in V, shape (channels, n)."""
         self._source.read(n)
-        angle: NDArray[np.float64] = self._turn * (self._next + 0.5 + np.arange(n))
+        angle = np.asarray(self._turn * (self._next + 0.5 + np.arange(n)), dtype=np.float64)
         self._next += n
         sine = self._amplitude * math.sin(self._turn / 2) / (self._turn / 2) * sines(angle)[0]
         return np.tile(sine, (len(self.names), 1))
