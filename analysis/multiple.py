@@ -27,13 +27,17 @@ REACH, STEP = 7.0, 0.05  # of the sum over a normal deviate, standard deviations
 
 def one_sided_p(t: float, nu: float) -> float:
     """P(T > t) of Student's t with nu degrees of freedom (inf: normal)."""
-    return float(_tail(np.array([t]), np.array([nu]))[0])
+    return float(_tail(np.array([t]), np.array([1 / nu]))[0])
 
 
-def _tail(t: Array, nu: Array) -> Array:
+def _tail(t: Array, inverse: Array) -> Array:
+    """P(T > t) of Student's t with 1/`inverse` degrees of freedom (0: normal)."""
     from scipy.special import ndtr, stdtr
 
-    return np.where(np.isinf(nu), ndtr(-t), stdtr(nu, -t))
+    found: Array = ndtr(-t)
+    few = inverse > 0
+    found[few] = stdtr(1 / inverse[few], -t[few])
+    return found
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
@@ -82,8 +86,8 @@ def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
         there = count > 0
         other, top, count = variance[there], top[there], count[there]
         t = (top - mean) / np.sqrt(other + v)
-        shared = (other + v) ** 2 / (other**2 / nu[there] + v**2 / dof)
-        score = -float(ndtri(_tail(t, np.minimum(shared, most)).min()))
+        inverse = np.maximum((other**2 / nu[there] + v**2 / dof) / (other + v) ** 2, 1 / most)
+        score = -float(ndtri(_tail(t, inverse).min()))
         reach = (score * np.sqrt(other + v))[:, None] + math.sqrt(v) * own
         found.append(1.0 - float((ndtr(reach / np.sqrt(other)[:, None]) ** count[:, None]).prod(axis=0) @ weights))
     return tuple(found)
