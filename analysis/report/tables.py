@@ -166,7 +166,10 @@ def references(report: Report) -> Table:
         )
         for row in report["references"]
     )  # fmt: skip
-    note = "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels."
+    note = (
+        "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels, and "
+        "by the rig's own ledger the phase between them."
+    )
     return Table("References", note, ("reference", "of", "found ± U", "known", "unit", "verdict", "why"), rows)
 
 
