@@ -186,8 +186,6 @@ FAULTY = {
     "light box": HEALTHY["light box"],
     "light box, once": HEALTHY["light box, once"],
     "fill_rate": Case("fill_rate", SHORT, ("scene.grains.fill=[0, 0.3, 0.85, 1]",)),
-    "density": HEALTHY["density"],
-    "size": HEALTHY["size"],
     "nulls": Case("nulls", SHORT, ("scene.bed=[empty, locked]",)),
 }
 
