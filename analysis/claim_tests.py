@@ -5,18 +5,19 @@ to contradict a claim; what neither test tells is `undecided`.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from analysis.conditions import Result
-from analysis.estimate import Estimate
-from analysis.multiple import beaten, holm, one_sided_p
+from analysis.estimate import Estimate, effective_dof
+from analysis.moderated import Prior, prior_of
+from analysis.multiple import Mean, beaten, holm, one_sided_p, welch
 from analysis.ratio import energy_ratio
 from analysis.uncertainty import RESOLUTION, combine
 
-__all__ = ["LEVEL", "TESTS", "Finding", "Level", "Question"]
+__all__ = ["LEVEL", "TESTS", "Finding", "Level", "Question", "Scatter"]
 
 LEVEL = 0.05
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
@@ -45,11 +46,13 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is claimed of the levels: the values named, the limits fixed beforehand, the number of cases in all."""
+    """What is claimed of the levels: the values named, the limits fixed beforehand, the number of cases in all; and how
+    all conditions of the session scatter (None: known from the levels themselves)."""
 
     values: tuple[str, ...]
     limits: tuple[float, ...]
     cases: int
+    scatter: "Scatter | None" = None
 
     @property
     def against(self) -> float:
@@ -58,49 +61,122 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Logs:
-    """Means of ln W of the levels, runs behind each, common standard deviation of a run with its degrees of freedom.
-    seen: the energy stands out of what the instruments can tell; where not, the mean is an upper limit, which may lose
-    but not win.
+class Scatter:
+    """How ln W of single runs scatters, condition by condition: each one's own variance, shrunk
+    towards the expected one.
+
+    is_expected: the variances are expected in the proportions that the prediction's refills give, otherwise alike.
+    levels: variance of ln of the levels reached, of all conditions together, which is the drive's.
     """
 
-    means: tuple[float, ...]
-    counts: tuple[float, ...]
+    prior: Prior
+    is_expected: bool
+    levels: float
+
+    @classmethod
+    def of(cls, results: Iterable[Result]) -> "Scatter | None":
+        """From the conditions of a session; None without repeats.
+
+        Conditions in which nothing can slide count only where there are no others: a refill changes nothing in them, so
+        that their scatter says nothing about the others'.
+        """
+        repeated = [r for r in results if _seen(r) and len(r.runs) > 1]
+        counted = [r for r in repeated if not _is_still(r)] or repeated
+        if not counted:
+            return None
+        levels = _of_levels(counted)
+        expected = [_expected(r, levels) for r in counted]
+        known = [variance for variance in expected if variance is not None]
+        scales = known if len(known) == len(counted) else [1.0] * len(counted)
+        own = map(_own_variance, counted)
+        prior = prior_of([(variance / scale, nu) for (variance, nu), scale in zip(own, scales, strict=True)])
+        return cls(prior, len(known) == len(counted), levels)
+
+    def run(self, result: Result) -> tuple[float, float]:
+        """Variance of ln W of a run of a condition, and its degrees of freedom."""
+        return self.prior.moderated(
+            *_own_variance(result), _expected(result, self.levels) if self.is_expected else None
+        )
+
+
+def _is_still(result: Result) -> bool:
+    return result.setting.is_empty or result.setting.is_bonded
+
+
+def _own_variance(result: Result) -> tuple[float, float]:
+    """Variance of ln W between the runs of a condition, with its degrees of freedom; 0 of those where nothing tells."""
+    if len(result.runs) < 2 or not _seen(result):
+        return 0.0, 0.0
+    return max(_variance([math.log(run.energy.W) for run in result.runs]), RESOLUTION**2), len(result.runs) - 1.0
+
+
+def _of_levels(results: Iterable[Result]) -> float:
+    """Variance of ln of the level between the runs of a condition, pooled."""
+    square, nu = 0.0, 0
+    for result in results:
+        levels = [run.energy.level for run in result.runs]
+        if min(levels) > 0:
+            square += _variance([math.log(level) for level in levels]) * (len(levels) - 1)
+            nu += len(levels) - 1
+    return square / nu if nu else 0.0
+
+
+def _expected(result: Result, of_levels: float) -> float | None:
+    """Variance of ln W that the prediction's refills, the scatter of the levels (W goes as a^n) and the instruments'
+    noise lead to expect; None where no refills were predicted."""
+    total = result.W_T.value if result.W_T is not None else None
+    if _is_still(result):
+        total = 0.0
+    if total is None or (total and len(result.refills) < 2):
+        return None
+    W = math.exp(_log(result))
+    poured = _variance(result.refills) * (total / W) ** 2 if total else 0.0
+    noise = math.fsum((run.u_noise / W) ** 2 for run in result.runs) / len(result.runs)
+    n = result.predicted.get("exponent") or QUADRATIC
+    return poured + noise + n**2 * of_levels + RESOLUTION**2
+
+
+def _variance(values: Sequence[float]) -> float:
+    mean = math.fsum(values) / len(values)
+    return math.fsum((value - mean) ** 2 for value in values) / (len(values) - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Logs:
+    """Means of ln W of the levels; most: degrees of freedom of all conditions; s: standard deviation of a run in the
+    least and in the most scattering condition. seen: the energy stands out of what the instruments can tell; where not,
+    the mean is an upper limit, which may lose but not win.
+    """
+
+    means: tuple[Mean, ...]
+    most: float
     seen: tuple[bool, ...]
-    s: float
-    nu: float
+    s: tuple[float, float]
 
     def exceeds(self, one: int, other: int) -> float:
         """p of the one-sided test that level `one` is above level `other`."""
         if not self.seen[one]:
             return 1.0
-        u = self.s * math.sqrt(1 / self.counts[one] + 1 / self.counts[other])
-        return one_sided_p((self.means[one] - self.means[other]) / u, self.nu)
+        return one_sided_p(*welch(self.means[one], self.means[other], self.most))
 
 
-def logs(levels: Sequence[Level]) -> Logs | None:
-    """ln W of the levels, scatter pooled over their repeats; None without repeats.
-
-    Conditions in which nothing can slide count for the scatter only where there are no others: a refill changes nothing
-    in them, so that their scatter says nothing about the others'.
-    """
+def logs(levels: Sequence[Level], scatter: Scatter | None = None) -> Logs | None:
+    """ln W of the levels (scatter: of the session, None: of the levels); None without repeats."""
     flat = [result for level in levels for result in level.results]
-    moving = [r for r in flat if not (r.setting.is_empty or r.setting.is_bonded) and _seen(r)]
-    nu, square = 0, 0.0
-    for result in moving or [r for r in flat if _seen(r)]:
-        values = [math.log(run.energy.W) for run in result.runs]
-        mean = math.fsum(values) / len(values)
-        square += math.fsum((value - mean) ** 2 for value in values)
-        nu += len(values) - 1
-    if nu == 0:
+    common = scatter or Scatter.of(flat)
+    if common is None or not any(nu for _, nu in map(_own_variance, flat)):
         return None
-    return Logs(
-        tuple(math.fsum(map(_log, level.results)) / len(level.results) for level in levels),
-        tuple(len(level.results) ** 2 / math.fsum(1 / len(r.runs) for r in level.results) for level in levels),
-        tuple(all(map(_seen, level.results)) for level in levels),
-        max(math.sqrt(square / nu), RESOLUTION),
-        float(nu),
-    )
+    run = {id(result): common.run(result) for result in flat}
+    means = []
+    for level in levels:
+        m = len(level.results)
+        parts = [(run[id(r)][0] / len(r.runs) / m**2, run[id(r)][1]) for r in level.results]
+        nu = effective_dof([(math.sqrt(variance), nu) for variance, nu in parts])
+        mean = math.fsum(map(_log, level.results)) / m
+        means.append((mean, math.fsum(variance for variance, _ in parts), min(nu, common.prior.most)))
+    spread = [math.sqrt(variance) for variance, _ in run.values()]
+    seen = tuple(all(map(_seen, level.results)) for level in levels)
+    return Logs(tuple(means), common.prior.most, seen, (min(spread), max(spread)))
 
 
 def _seen(result: Result) -> bool:
@@ -126,16 +202,14 @@ def _without_scatter(levels: Sequence[Level]) -> Finding:
 
 def optimum(levels: Sequence[Level], question: Question) -> Finding:
     """The values named are the only ones not beaten by another (multiple comparisons with the best)."""
-    found = logs(levels)
+    found = logs(levels, question.scatter)
     if found is None:
         return _without_scatter(levels)
     labels = [level.label for level in levels]
-    top = max(range(len(labels)), key=found.means.__getitem__)
-    out, out_for_sure = (
-        beaten(found.means, found.counts, found.s, found.nu, level) for level in (LEVEL, question.against)
-    )
-    left = tuple(label for label, lost in zip(labels, out, strict=True) if not lost)
-    named = [lost for label, lost in zip(labels, out_for_sure, strict=True) if label in question.values]
+    top = max(range(len(labels)), key=found.means.__getitem__)  # by the mean, which comes first
+    p = beaten(found.means, found.most)
+    left = tuple(label for label, of in zip(labels, p, strict=True) if of > LEVEL)
+    named = [of <= question.against for label, of in zip(labels, p, strict=True) if label in question.values]
     why = f"{_listed(left)} {'is' if len(left) == 1 else 'are'} not beaten by another of {len(labels)} values"
     why += f" ({_scatter(found)}){_predicted_best(levels)}"
     if len(labels) < 2 or not named or not found.seen[top]:
@@ -166,7 +240,7 @@ def falling(levels: Sequence[Level], question: Question) -> Finding:
 
 
 def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
-    found = logs(levels)
+    found = logs(levels, question.scatter)
     if found is None:
         return _without_scatter(levels)
     pairs = [(i, i + 1) for i in range(len(levels) - 1)]
@@ -246,7 +320,9 @@ def _listed(labels: Sequence[str]) -> str:
 
 
 def _scatter(found: Logs) -> str:
-    return f"a run scatters by {100 * found.s:.2g} %, {found.nu:.0f} degrees of freedom"
+    low, high = (f"{100 * s:.2g}" for s in found.s)
+    few = min(nu for _, _, nu in found.means)
+    return f"a run scatters by {low if low == high else f'{low} to {high}'} %, {few:.0f} degrees of freedom at least"
 
 
 TESTS: Mapping[str, Callable[[Sequence[Level], Question], Finding]] = {

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from analysis.claim_tests import TESTS, Finding, Level, Question
+from analysis.claim_tests import TESTS, Finding, Level, Question, Scatter
 from analysis.conditions import Result
 
 __all__ = ["judge"]
@@ -27,12 +27,13 @@ def judge(expect: Iterable[Mapping[str, Any]], results: Mapping[str, Result]) ->
     A claim over several cases holds where it holds in every one (each tested at 5 %: an intersection-union test) and
     does not hold where one contradicts it (each tested at 5 % over their number).
     """
-    return [_entry(entry, results) for entry in expect]
+    scatter = Scatter.of(results.values())
+    return [_entry(entry, results, scatter) for entry in expect]
 
 
-def _entry(entry: Mapping[str, Any], results: Mapping[str, Result]) -> dict[str, Any]:
+def _entry(entry: Mapping[str, Any], results: Mapping[str, Result], scatter: Scatter | None) -> dict[str, Any]:
     places = entry["cases"]
-    question = Question(tuple(entry["values"]), tuple(entry["limits"]), max(1, len(places)))
+    question = Question(tuple(entry["values"]), tuple(entry["limits"]), max(1, len(places)), scatter)
     cases = [(_place(case["at"]), _case(entry, question, case, results)) for case in places]
     whole = _whole(cases)
     imposed = bool(entry["imposed"]) and whole.verdict != "does not hold"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analysis.energy import Energy
 from analysis.estimate import Estimate
 from analysis.runs import ChannelFacts
-from analysis.uncertainty import CERTIFICATE_NU, Line, combine, scatter_line
+from analysis.uncertainty import CERTIFICATE_NU, Line, combine, scatter_line, stretch_of
 
 __all__ = ["Coil", "coil_estimates", "coil_force", "coil_of"]
 
@@ -108,7 +108,8 @@ def coil_estimates(
         for first, same in ((same[0], same) for same in zip(*(coil.lines for coil in coils), strict=False))
     ]
     noise = math.sqrt(math.fsum(coil.u_noise**2 for coil in coils)) / n
-    scatter = [(line.part, line.nu) for line in scatter_line([coil.W for coil in coils])] or [(noise, math.inf)]
+    of_runs = scatter_line([coil.W for coil in coils], stretch_of(lines))
+    scatter = [(line.part, line.nu) for line in of_runs] or [(noise, math.inf)]
     shared = [line for line in lines if line.source.startswith(("acceleration", "clock", "arithmetic"))]
     total = combine(W, [*scatter, *((line.part, line.nu) for line in (*own, *shared))])
     gauge = [(line.part, line.nu) for line in lines if line.source.startswith("force")]

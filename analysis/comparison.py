@@ -17,8 +17,10 @@ from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, line_through, propagated, recorded_ratio
 from analysis.recorded import Recorded
 from analysis.references import references, signs
+from analysis.refills import refills_row
 from analysis.runs import ChannelFacts, RunEnergy, Setting
 from analysis.three_comparisons import comparisons, model_row
+from analysis.uncertainty import Line
 from analysis.verdict import verdict
 from analysis.waveforms import waveforms
 
@@ -51,8 +53,9 @@ def agreement(
     """The report of a session.
 
     runs: energies of its runs. conditions: by id, in the order to report. prediction: {"conditions": {id:
-    {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel": relative standard uncertainty, "W_T_paper",
-    "bound", "period", "periodic_share"}}}, None for none: plain numbers, so that a laboratory's own can take its place.
+    {"acceleration": [m/s^2], "W_T": [J], "W_f": [J], "W_c": [J], "u_rel", "u_levels", "u_settling", "refills":
+    [energies of poured beds over W_T], "W_T_paper", "bound", "period", "periodic_share"}}}, None for none: plain
+    numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file (path, value, unit, status,
     source). left_out: runs that could not be used, with the reason. expect: claims to judge (analysis.claims.judge).
     actual: the instruments as they really are, for the terms of the offset (simulated sessions only). fidelity: how
@@ -170,16 +173,21 @@ def _row(result: Result, empties: Mapping[tuple[Any, ...], Result]) -> dict[str,
         **{name: got.get(name) for name in ("W_f", "W_c", "W_T_paper", "bound", "exponent")},
         "offset": offset.value if offset else None, "U_offset": offset.U if offset else None,
         "E_n": _E_n(difference), "E_n_chain": _E_n(result.chain),
-        **model_row(result), **_recorded(result),
+        **model_row(result), **refills_row(result), **_recorded(result),
         "W_coil": result.coil.value if result.coil else None, "U_W_coil": result.coil.U if result.coil else None,
         "E_n_coil": _E_n(result.coil_apart),
         **_at_box(result),
-        "uncertainty": [
-            {"source": line.source, "unit": line.unit, "u": line.u, "c": line.c, "nu": line.nu,
-             "share": (line.part / exp.u) ** 2 if exp.u else 0.0}
-            for line in result.lines if line.c
+        "uncertainty": [_budget_row(line, line.c, line.part, exp.u) for line in result.lines if line.c],
+        "uncertainty_W_T": [
+            _budget_row(line, line.c_T, line.part_T, result.W_T.u) for line in result.lines if result.W_T and line.c_T
         ],
     }  # fmt: skip
+
+
+def _budget_row(line: Line, sensitivity: float, part: float, u: float) -> dict[str, Any]:
+    """A line of the budget of W_exp or W_T, whose standard uncertainty is u (J): its part of u^2 is `share`."""
+    return {"source": line.source, "unit": line.unit, "u": line.u, "c": sensitivity, "nu": line.nu,
+            "share": (part / u) ** 2 if u else 0.0}  # fmt: skip
 
 
 def _at_box(result: Result) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from analysis.estimate import Estimate
 from analysis.prediction import Prediction
 from analysis.recorded import Recorded, on_recorded
 from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.skewed import stretch
 from analysis.uncertainty import (
     Line,
     angle_uncertainty,
@@ -20,7 +21,8 @@ from analysis.uncertainty import (
     combine,
     difference_parts,
     mass_and_loss,
-    numerics_line,
+    prediction_lines,
+    refills_line,
     resolution_lines,
     scatter_line,
 )
@@ -29,6 +31,7 @@ __all__ = ["DISSIPATED", "Result", "evaluate"]
 
 DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed", "dKE_box")
 """Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
+STINGER = "W_stinger"  # ledger column: what the stinger loses
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +43,7 @@ class Result:
     the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given.
+    the model's parameters; empty where none were given. refills: the same for beds poured anew.
     mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
     """
 
@@ -60,6 +63,7 @@ class Result:
     recorded: Recorded | None = None
     pairs: tuple[tuple[float, float], ...] = ()
     model: tuple[float, ...] = ()
+    refills: tuple[float, ...] = ()
     beyond: bool = False
 
     @property
@@ -89,7 +93,7 @@ def evaluate(
     n = len(runs)
     W = math.fsum(run.energy.W for run in runs) / n
     reactive = math.fsum(run.energy.reactive for run in runs) / n
-    predicted, totals, u_rel = _predicted(runs, entry)
+    predicted, totals, own = _predicted(runs, entry)
     W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
     # A condition measured once has no scatter: the instruments' noise stands in for it.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
@@ -107,13 +111,15 @@ def evaluate(
         ),
         *resolution_lines(W, reactive),
     )
-    scatter = scatter_line([run.energy.W for run in runs]) or noise_line
-    lines = (*scatter, *certified, *numerics_line(u_rel, W_T or 0.0))
+    refills = tuple((entry or {}).get("refills") or ())
+    factor = stretch(refills, n)
+    scatter = scatter_line([run.energy.W for run in runs], factor) or noise_line
+    lines = (*scatter, *certified, *own, *refills_line(refills, W_T or 0.0))
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
     by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
-    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise)
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
     return Result(
         setting=setting,
         runs=tuple(runs),
@@ -123,43 +129,47 @@ def evaluate(
         loss=loss,
         W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
         difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
-        chain=_chain(W, runs, (*noise_line, *certified)),
+        chain=_chain(setting, W, runs, (*noise_line, *certified)),
         detect=abs(reactive) * angle.U,
         predicted=predicted,
         coil=by_coil[0],
         coil_apart=by_coil[1],
-        recorded=on_recorded(runs, W, (*scatter, *certified), exponent),
+        recorded=on_recorded(runs, W, (*scatter, *certified), exponent, refills),
         pairs=pairs,
         model=tuple((entry or {}).get("model") or ()),
+        refills=refills,
         beyond=entry is not None and not predicted,
     )
 
 
 def _predicted(
     runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
-) -> tuple[dict[str, float | None], list[float], float]:
-    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the relative
-    standard uncertainty of its numerics; nothing where a run's level is beyond the prediction's."""
+) -> tuple[dict[str, float | None], list[float], tuple[Line, ...]]:
+    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the lines of
+    the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
     if entry is None:
-        return {}, [], 0.0
+        return {}, [], ()
     prediction = Prediction.of(entry)
     levels = [run.energy.level for run in runs]
     if not all(prediction.total.reaches(a) for a in levels):
-        return {}, [], 0.0
+        return {}, [], ()
     curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
     values: dict[str, float | None] = {
         name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
     }
     values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
-    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], prediction.u_rel
+    own = prediction_lines(prediction, values["W_T"] or 0.0)
+    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], own
 
 
-def _chain(W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
-    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone."""
+def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
+    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through the stinger, W_exp
+    holds what that loses."""
+    columns = (*DISSIPATED, STINGER) if setting.through_stinger else DISSIPATED
     ledgers = [run.ledger for run in runs if run.ledger is not None]
     if len(ledgers) < len(runs):
         return None
-    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in DISSIPATED) / len(runs)
+    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in columns) / len(runs)
     return combine(W - true, [(line.part, line.nu) for line in lines])
 
 

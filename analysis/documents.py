@@ -17,8 +17,8 @@ EXTRA = ("W_T_paper", "bound", "period", "periodic_share")
 PREDICTION = Keys({
     "conditions": Each(Keys(
         {"acceleration": List(Number(0.0, above=True), least=1), "W_T": ENERGIES},
-        {"W_f": ENERGIES, "W_c": ENERGIES, "u_rel": Number(0.0, 1e3, null=True),
-         "model": List(Number(0.0, 1e6)),
+        {"W_f": ENERGIES, "W_c": ENERGIES, "model": List(Number(0.0, 1e6)), "refills": List(Number(0.0, 1e6)),
+         **dict.fromkeys(("u_rel", "u_levels", "u_settling"), Number(0.0, 1e3, null=True)),
          **{name: Either(Number(null=True), List(Number())) for name in EXTRA}},
         as_long=("acceleration", "W_T", "W_f", "W_c"),
     )),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from analysis.report.axes import MARKERS, ORANGE, SERIES
 from analysis.report.drawing import Area, Drawing, Line, Mark, Word, outline
+from daq.strange_text import visible
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,7 +64,8 @@ def _artist(mark: Mark, order: int) -> Any:
         return Polygon(list(mark.points), color=mark.colour, alpha=mark.opacity, linewidth=0, zorder=order)
     if isinstance(mark, Word):
         return Text(
-            *mark.at, mark.text, color=mark.colour, fontsize=mark.size * point, rotation=90 if mark.upright else 0,
+            *mark.at, visible(mark.text), parse_math=False, color=mark.colour,
+            fontsize=mark.size * point, rotation=90 if mark.upright else 0,
             fontweight="bold" if mark.bold else "normal", horizontalalignment=WORDS[mark.anchor],
             verticalalignment="baseline", rotation_mode="anchor", zorder=order,
         )  # fmt: skip

@@ -5,7 +5,7 @@ there reads F_st + m a_a, at the box F_st, which carries m as well. An accelerom
 F_st/k'. So F_st and a follow from what was read; the force on the box itself is F_st, less m a with the gauge there.
 
 An accelerometer away from the box sees the stinger's loss as if it were the box's: W is larger by pi w c |F_st/k'|^2,
-and the apparent mass of a load M by 1/(1 - w^2 M/k).
+and the apparent mass of a load M by 1/(1 - w^2 M/k). What is told of the box is then as uncertain as the stiffness.
 """
 
 import math
@@ -26,11 +26,13 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True, slots=True)
 class AtBox:
     """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and what is in it, without
-    the gauge's; level: fundamental of the box's acceleration, m/s^2."""
+    the gauge's; level: fundamental of the box's acceleration, m/s^2; M_stiffness: kg, what a standard deviation of the
+    stinger's stiffness makes of M_eff, with its sign."""
 
     W: float
     M_eff: float
     level: float
+    M_stiffness: float
 
 
 def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter: Mapping[str, Any]) -> AtBox:
@@ -39,7 +41,20 @@ def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter:
     read.
     """
     jw: Complex = 2j * math.pi * energy.frequency * np.arange(1, energy.force.size + 1).astype(np.complex128)
-    stinger = exciter["stinger_stiffness"] + jw * exciter["stinger_damping"]
+    stiffness, loss = float(exciter["stinger_stiffness"]), jw * float(exciter["stinger_damping"])
+    places = gauge, accelerometer, mass, jw
+    on_box, acceleration = _on_box(energy, *places, stiffness + loss)
+    stiffer = _on_box(energy, *places, stiffness * (1 + float(exciter["parts_U"]) / 2) + loss)
+    frequency, M = energy.frequency, _mass(on_box, acceleration)
+    moved = _work(on_box, acceleration, jw, frequency) - _work(energy.force, energy.acceleration, jw, frequency)
+    return AtBox(energy.W + moved, M, abs(complex(acceleration[0])), _mass(*stiffer) - M)
+
+
+def _on_box(
+    energy: Energy, gauge: str, accelerometer: str, mass: float, jw: Complex, stinger: Complex
+) -> tuple[Complex, Complex]:
+    """Force on the box without the gauge's mass (N) and its acceleration (m/s^2), from what was read beside a stinger
+    of that complex stiffness (N/m)."""
     force, read = energy.force, energy.acceleration
     if accelerometer == "exciter":
         pull = force - mass * read if gauge == "exciter" else force
@@ -47,10 +62,13 @@ def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter:
     else:
         acceleration = read
         pull = (force - mass * read) / (1.0 + mass * jw**2 / stinger) if gauge == "exciter" else force
-    on_box = pull - mass * acceleration if gauge == "box" else pull
-    first, a = complex(on_box[0]), complex(acceleration[0])
-    moved = _work(on_box, acceleration, jw, energy.frequency) - _work(force, read, jw, energy.frequency)
-    return AtBox(energy.W + moved, (first * a.conjugate()).real / abs(a) ** 2 if a else math.nan, abs(a))
+    return pull - mass * acceleration if gauge == "box" else pull, acceleration
+
+
+def _mass(force: Complex, acceleration: Complex) -> float:
+    """Apparent mass at the fundamental, kg; nan without motion."""
+    first, a = complex(force[0]), complex(acceleration[0])
+    return (first * a.conjugate()).real / abs(a) ** 2 if a else math.nan
 
 
 def _work(force: Complex, acceleration: Complex, jw: Complex, frequency: float) -> float:

@@ -1,7 +1,7 @@
-"""Comparisons of several means: critical values and p values that keep the error of all of them together.
+"""Comparisons of several means: p values that keep the error of all of them together.
 
-All tests take means of ln W with a common standard deviation s (nu degrees of freedom): a scale error of a sensor adds
-the same to every ln W and cancels in each difference.
+All tests take means of ln W, each with its variance and degrees of freedom: a scale error of a
+sensor adds the same to every ln W and cancels in each difference.
 """
 
 import math
@@ -11,18 +11,33 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.estimate import coverage_factor
+from analysis.estimate import effective_dof
 
-__all__ = ["beaten", "best_critical", "holm", "one_sided_p"]
+__all__ = ["Mean", "beaten", "holm", "one_sided_p", "welch"]
 
-NODES = 64  # of either quadrature: critical values are good to 1e-3 from 3 degrees of freedom on (tests)
+Array = NDArray[np.float64]
+Mean = tuple[float, float, float]
+"""A mean, its variance, and the degrees of freedom of that."""
+
+GROUPS = 64
+"""Most kinds of scatter that are told apart among the means that one is compared with."""
+
+REACH, STEP = 7.0, 0.05  # of the sum over a normal deviate, standard deviations
 
 
 def one_sided_p(t: float, nu: float) -> float:
     """P(T > t) of Student's t with nu degrees of freedom (inf: normal)."""
+    return float(_tail(np.array([t]), np.array([1 / nu]))[0])
+
+
+def _tail(t: Array, inverse: Array) -> Array:
+    """P(T > t) of Student's t with 1/`inverse` degrees of freedom (0: normal)."""
     from scipy.special import ndtr, stdtr
 
-    return float(ndtr(-t) if math.isinf(nu) else stdtr(nu, -t))
+    found: Array = ndtr(-t)
+    few = inverse > 0
+    found[few] = stdtr(1 / inverse[few], -t[few])
+    return found
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
@@ -36,70 +51,71 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     return tuple(adjusted)
 
 
-def best_critical(counts: Sequence[float], own: int, nu: float, level: float) -> float:
-    """One-sided critical value of Dunnett's type with the mean `own` as control: the d at which
-    P(max_j (y_j - y_own) / (s sqrt(1/n_j + 1/n_own)) <= d) = 1 - level where all true means are equal.
+def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]:
+    """t of the difference of two means, and its degrees of freedom after Welch and Satterthwaite;
+    at most `most`, all that the session has: variances moderated by one prior rest on the same
+    refills."""
+    (a, v_a, nu_a), (b, v_b, nu_b) = one, other
+    nu = effective_dof([(math.sqrt(v_a), nu_a), (math.sqrt(v_b), nu_b)])
+    return (a - b) / math.sqrt(v_a + v_b), min(nu, most)
 
-    counts: runs behind each mean; nu: degrees of freedom of s. Dunnett, J. Am. Stat. Assoc. 50, 1096 (1955).
+
+def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
+    """p of each mean, with which it is told to be below another: those of more than a level contain
+    the best with a probability of at least 1 - level (multiple comparisons with the best; Hsu, Ann.
+    Statist. 9, 1026 (1981)).
+
+    They scatter differently, so that each comparison has an error and degrees of freedom of its
+    own; the clearest of a mean's comparisons is judged by how clear the clearest of as many would be
+    by chance. These have the mean's own error in common: one that scatters much is compared with
+    all others at nearly the level of a single test. most: see `welch`.
     """
-    others = sorted(n for j, n in enumerate(counts) if j != own)
-    return _critical(tuple(math.sqrt(n / (n + counts[own])) for n in others), nu, level)
+    from scipy.special import ndtr, ndtri
+
+    if len(means) < 2:
+        return (1.0,) * len(means)
+    group, best, second, variance, nu, size = _alike(means)
+    own, weights = _normal()
+    found = []
+    for place, (mean, v, dof) in enumerate(means):
+        count, top = size.copy(), best.copy()
+        mine = group[place]
+        count[mine] -= 1
+        if mean >= best[mine]:
+            top[mine] = second[mine]
+        there = count > 0
+        other, top, count = variance[there], top[there], count[there]
+        t = (top - mean) / np.sqrt(other + v)
+        inverse = np.maximum((other**2 / nu[there] + v**2 / dof) / (other + v) ** 2, 1 / most)
+        score = -float(ndtri(_tail(t, inverse).min()))
+        reach = (score * np.sqrt(other + v))[:, None] + math.sqrt(v) * own
+        found.append(1.0 - float((ndtr(reach / np.sqrt(other)[:, None]) ** count[:, None]).prod(axis=0) @ weights))
+    return tuple(found)
 
 
-@lru_cache(maxsize=256)
-def _critical(loads: tuple[float, ...], nu: float, level: float) -> float:
-    """By the secant method from the two bounds: a single comparison, and Bonferroni's."""
-    old, new = _quantile(nu, level), _quantile(nu, level / len(loads))
-    missing_old = _below(old, loads, nu) - (1 - level)
-    while abs(new - old) > 1e-7:
-        missing = _below(new, loads, nu) - (1 - level)
-        old, new = new, new - missing * (new - old) / (missing - missing_old)
-        missing_old = missing
-    return new
+def _alike(means: Sequence[Mean]) -> tuple[NDArray[np.int64], Array, Array, Array, Array, NDArray[np.int64]]:
+    """Return the group of each mean, and of each group the largest two means, variance, degrees of freedom and size.
 
-
-def _quantile(nu: float, level: float) -> float:
-    """One-sided t quantile."""
-    return coverage_factor(nu, 1 - 2 * level)
-
-
-def _below(d: float, loads: tuple[float, ...], nu: float) -> float:
-    """P(max_j T_j <= d) of correlated t: given the control's error z and the scale s they are independent normals."""
-    from scipy.special import gammaincinv, ndtr, ndtri
-
-    points, weights = _gauss()
-    p, weights = (points + 1) / 2, weights / 2
-    z = ndtri(p)
-    s = np.ones(1) if math.isinf(nu) else np.sqrt(2 * gammaincinv(nu / 2, p) / nu)
-    w_s = np.ones(1) if math.isinf(nu) else weights
-    load, times = np.unique(loads, return_counts=True)
-    reach = (load * z[:, None] + d * s[:, None, None]) / np.sqrt(1 - load**2)
-    return float(w_s @ np.prod(ndtr(reach) ** times, axis=-1) @ weights)
+    Up to `GROUPS` means stand alone, and all is exact. More are put together with those that scatter nearly as much:
+    each is taken for the mean variance of its group and the fewest degrees of freedom in it, so that the work grows
+    with the means and not with their pairs.
+    """
+    value, variance, nu = np.array(means).T
+    order = np.argsort(variance, kind="stable")
+    count = min(GROUPS, len(means))
+    starts = np.arange(count) * len(means) // count
+    group = np.empty(len(means), np.int64)
+    group[order] = np.searchsorted(starts, np.arange(len(means)), side="right") - 1
+    size = np.diff([*starts, len(means)])
+    by_value = np.lexsort((-value, group))  # the largest of each group first
+    second = np.where(size > 1, value[by_value[np.minimum(starts + 1, len(means) - 1)]], -math.inf)
+    mean = np.add.reduceat(variance[order], starts) / size
+    return group, value[by_value[starts]], second, mean, np.minimum.reduceat(nu[order], starts), size
 
 
 @lru_cache(maxsize=1)
-def _gauss() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points and weights of the quadrature, which cost more than what is done with them: eigenvalues of a matrix."""
-    points, weights = np.polynomial.legendre.leggauss(NODES)
-    return points, weights
-
-
-def beaten(means: Sequence[float], counts: Sequence[float], s: float, nu: float, level: float) -> tuple[bool, ...]:
-    """Which means are told to be below the largest, by multiple comparisons with the best: those not beaten contain the
-    best with a probability of at least 1 - level. Hsu, Ann. Statist. 9, 1026 (1981).
-
-    means: of ln W; counts: runs (or effective runs) behind each; s, nu: common standard deviation of a run and its
-    degrees of freedom.
-    """
-    if len(means) < 2:
-        return (False,) * len(means)
-    leaders: dict[float, list[float]] = {}  # the two largest means behind which so many runs stand
-    for mean, n in zip(means, counts, strict=True):
-        leaders[n] = sorted([*leaders.get(n, []), mean], reverse=True)[:2]
-    critical = {n: best_critical(counts, counts.index(n), nu, level) for n in leaders}
-    found = []
-    for mean, own in zip(means, counts, strict=True):
-        others = {n: best[1:] if n == own and mean == best[0] else best for n, best in leaders.items()}
-        ratios = [(best[0] - mean) / (s * math.sqrt(1 / n + 1 / own)) for n, best in others.items() if best]
-        found.append(max(ratios) > critical[own])
-    return tuple(found)
+def _normal() -> tuple[Array, Array]:
+    """Normal deviates and their weights, whose sum is 1."""
+    deviates = np.arange(-REACH, REACH + STEP / 2, STEP)
+    weights = np.exp(-(deviates**2) / 2)
+    return deviates, weights / weights.sum()

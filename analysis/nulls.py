@@ -26,6 +26,7 @@ from analysis.uncertainty import ANGLE_RESOLUTION, angle_uncertainty, certificat
 __all__ = ["Null", "null_tests"]
 
 LEVELS = 3
+THROUGH_STINGER = "the acceleration is read at the stinger's other end: what the stinger loses looks like an angle"
 POINTS = 4096  # of a cycle: a turning point between two is missed by at most (pi/4096)^2/2 = 3e-7 of the amplitude
 SHARES = 0.0, 0.5, 0.9, 1.0  # of a scatter that grows as W, the rest as the level
 
@@ -74,7 +75,8 @@ def null_tests(
     """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency and place of the
     instruments.
 
-    settings, runs: by condition. Empty where no condition has a bed that cannot slide.
+    settings, runs: by condition. Empty where no condition has a bed that cannot slide. Read through the stinger, none
+    is decided: it loses in proportion to the square of the force, which grows with the mass as an angle does.
     """
     empty: dict[tuple[Any, ...], list[RunEnergy]] = defaultdict(list)
     bonded: dict[tuple[Any, ...], list[str]] = defaultdict(list)
@@ -85,7 +87,9 @@ def null_tests(
             kind = "locked" if setting.bed == "locked" else "carried"
             bonded[kind, setting.bed_mass, setting.frequency, *setting.places].append(name)
     return tuple(
-        _test(kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels)
+        Null(kind, mass, at[0], len(names), None, "undecided", THROUGH_STINGER)
+        if settings[names[0]].through_stinger
+        else _test(kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels)
         for (kind, mass, *at), names in bonded.items()
     )
 

@@ -1,11 +1,15 @@
 """Predicted energies as plain numbers: a power law between tabulated accelerations."""
 
 import math
+import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 __all__ = ["BEYOND", "Curve", "Prediction"]
+
+NEAR = 0.04
+"""How far from an acceleration, relative, points tell of the slope there: W may be rough from one to the next."""
 
 BEYOND = 0.1
 """How far outside its tabulated accelerations, relative, a W_T is still read: a table about one level tells no more."""
@@ -49,29 +53,40 @@ class Curve:
         return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
-        """n = dlnW / dlna at a, across the neighbouring points; None where W is zero or a single point is known."""
+        """n = dlnW / dlna at a, a fit to the neighbouring points and all that are `NEAR`; None where W is zero or
+        a single point is known."""
         if len(self.values) == 1 or self(a) <= 0:
             return None
         i = self._stretch(a)
-        # The central slope where the nearest tabulated point has neighbours on both sides.
+        # About the nearest tabulated point, where that has neighbours on both sides.
         near = i if abs(self.accelerations[i] - a) < abs(self.accelerations[i + 1] - a) else i + 1
         low, high = max(near - 1, 0), min(near + 1, len(self.values) - 1)
-        if self.values[low] <= 0 or self.values[high] <= 0:
+        while low > 0 and self.accelerations[low - 1] >= a * (1 - NEAR):
+            low -= 1
+        while high + 1 < len(self.values) and self.accelerations[high + 1] <= a * (1 + NEAR):
+            high += 1
+        if min(self.values[low : high + 1]) <= 0:
             low, high = i, i + 1
-        if self.values[low] <= 0 or self.values[high] <= 0:
+        if min(self.values[low : high + 1]) <= 0:
             return None
-        span = math.log(self.accelerations[high] / self.accelerations[low])
-        return math.log(self.values[high] / self.values[low]) / span
+        x, y = (list(map(math.log, part[low : high + 1])) for part in (self.accelerations, self.values))
+        return statistics.linear_regression(x, y).slope
 
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """The prediction for one condition. u_rel: relative standard uncertainty of its numerics; extra: passed on."""
+    """The prediction for one condition. extra: passed on.
+
+    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels, u_settling of what a
+    record holds beside the steady state that is predicted.
+    """
 
     total: Curve
     friction: Curve
     collision: Curve
     u_rel: float
+    u_levels: float
+    u_settling: float
     extra: Mapping[str, float | None]
 
     @classmethod
@@ -84,6 +99,8 @@ class Prediction:
             friction=Curve.of(a, entry.get("W_f", absent)),
             collision=Curve.of(a, entry.get("W_c", absent)),
             u_rel=float(entry.get("u_rel") or 0.0),
+            u_levels=float(entry.get("u_levels") or 0.0),
+            u_settling=float(entry.get("u_settling") or 0.0),
             extra={name: _middle(entry.get(name), a) for name in ("W_T_paper", "bound", "period", "periodic_share")},
         )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from analysis.estimate import Estimate
 from analysis.runs import RunEnergy
-from analysis.uncertainty import Line, combine, difference_parts
+from analysis.uncertainty import Line, combine, difference_parts, refills_line
 
 __all__ = ["Recorded", "on_recorded"]
 
@@ -27,11 +27,13 @@ class Recorded:
     pairs: tuple[tuple[float, float], ...]
 
 
-def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], exponent: float | None) -> Recorded | None:
+def on_recorded(
+    runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], exponent: float | None, refills: Sequence[float] = ()
+) -> Recorded | None:
     """The recorded waveforms' W_T of a condition with a mean W (J per cycle); None where it is not known of every run.
 
     lines: of W_exp. The waveform is read with the accelerometer, so that its scale error moves this W_T as it moves the
-    one on a sine.
+    one on a sine. refills: energies of poured beds over the nominal one's, which this W_T is of as well.
     """
     known = [run.recorded for run in runs if run.recorded is not None and math.isfinite(run.recorded)]
     if len(known) < len(runs):
@@ -47,6 +49,7 @@ def on_recorded(runs: Sequence[RunEnergy], W: float, lines: Sequence[Line], expo
     history = math.fsum(run.u_recorded for run in runs) / len(runs)
     own.append(Line("history of the bed", "J", history, math.inf, 0.0, 1.0, shared=False))
     own.append(Line("prediction numerics", "1", NUMERICS / math.sqrt(len(known)), math.inf, 0.0, W_T, shared=False))
+    own += refills_line(refills, W_T)
     return Recorded(
         W_T=combine(W_T, [(line.part_T, line.nu) for line in own]),
         difference=combine(W - W_T, difference_parts(own, pairs)),

@@ -1,21 +1,35 @@
 """References: what is known without a model must be measured as it is known.
 
-Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase is the null test's).
-Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Signs: masses and energies are positive, force and
-acceleration of the size that was set.
+Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase is the null test's);
+where the acceleration is read at the stinger's other end, once the stinger is taken off.
+Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Phase: where the rig's own ledger is known, W_exp of
+rigid masses differs from it by one scale and one angle. A light box whose losses exceed its inertia hides milliradians
+in a W that is known to 1.6 %, and in a null of few runs, but not in how W_exp differs from level to level.
+Signs: masses and energies are positive, force and acceleration of the size that was set.
 """
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from analysis.conditions import Result
 from analysis.estimate import Estimate
 from analysis.family import FAILS, Zero, sign_tests
 from analysis.runs import ChannelFacts, RunEnergy, Setting
-from analysis.uncertainty import RESOLUTION, certificate_lines, combine, resolution_lines, scatter_line
+from analysis.uncertainty import (
+    ANGLE_RESOLUTION,
+    CERTIFICATE_NU,
+    RESOLUTION,
+    certificate_lines,
+    combine,
+    resolution_lines,
+    scatter_line,
+)
 
 __all__ = ["Reference", "references", "signs"]
 
@@ -26,7 +40,8 @@ NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is ne
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels) or "signs" (nothing measured).
+    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad) or "signs" (nothing
+    measured).
     verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
     tested: what it puts into that family."""
 
@@ -52,20 +67,68 @@ class Reference:
 def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:
     """All references that the conditions allow, but the signs."""
     rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
-    damped: dict[tuple[float, float], list[Result]] = defaultdict(list)
-    empty = {(r.setting.frequency, r.setting.acceleration_set): r for r in results if r.setting.is_empty}
+    damped: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
+    empty = {_level(r.setting): r for r in results if r.setting.is_empty}
     for result in results:
         setting = result.setting
         known = setting.box_mass + setting.gauge_mass + setting.bed_mass > 0
         if known and (setting.is_empty or setting.is_bonded):
             of = "empty box" if setting.is_empty else "bonded bed"
             rigid[of, setting.bed_mass, setting.frequency, *setting.places].append(result)
-        elif setting.bed == "dashpot" and setting.dashpot_c is not None:
-            damped[setting.dashpot_c, setting.frequency].append(result)
+        elif setting.bed == "dashpot" and setting.dashpot_c is not None and not setting.through_stinger:
+            damped[setting.dashpot_c, setting.frequency, *setting.places].append(result)
     return (
-        *(_mass(of, found, channels) for (of, *_), found in rigid.items()),
-        *(_dashpot(c, found, empty, channels) for (c, _), found in damped.items()),
+        *(_mass(of, found, channels) for (of, *_), found in rigid.items() if _told(found)),
+        *(_dashpot(c, found, empty, channels) for (c, *_), found in damped.items()),
+        *(_phase(found) for found in _rigid_with_ledger(results) if len(found) > 1),
     )
+
+
+def _rigid_with_ledger(results: Sequence[Result]) -> Iterable[list[Result]]:
+    """Conditions in which nothing slides and whose losses are known, by frequency and place of the instruments."""
+    groups: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
+    for result in results:
+        setting = result.setting
+        if result.chain is not None and (setting.is_empty or setting.is_bonded) and not setting.through_stinger:
+            groups[setting.frequency, *setting.places].append(result)
+    return groups.values()
+
+
+def _phase(results: Sequence[Result]) -> Reference:
+    """The angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at least two conditions.
+
+    Generalised least squares: the scales, and what else the certificates leave, are errors that all conditions share;
+    noise and arithmetic are each condition's own. Where W/R is the same in all, angle and scale cannot be told apart,
+    and u says so.
+    """
+    apart = np.array([result.chain.value for result in results if result.chain is not None])
+    W, R = (np.array([result.mean(name) for result in results]) for name in ("W", "reactive"))
+    noise = [math.hypot(*(run.u_noise for run in result.runs)) / len(result.runs) for result in results]
+    covariance = np.diag(np.square(noise) + (RESOLUTION * W) ** 2 + (ANGLE_RESOLUTION * R) ** 2)
+    scales: dict[str, NDArray[np.float64]] = defaultdict(lambda: np.zeros(len(results)))
+    angles: dict[str, tuple[float, float]] = {}
+    for i, result in enumerate(results):
+        for line in (line for line in result.lines if line.shared):
+            scales[line.source][i] = (line.c - line.turn * R[i]) * line.u
+            angles[line.source] = line.turn * line.u, line.nu
+    for part in scales.values():
+        covariance += np.outer(part, part)
+    weighted = np.linalg.solve(covariance, R)
+    angle, fitted = float(weighted @ apart / (weighted @ R)), float(weighted @ R) ** -0.5
+    u = combine(angle, [(fitted, math.inf), *angles.values()])
+    shared = {source: part for source, (part, _) in angles.items()}
+    of = f"rigid, {results[0].setting.frequency:g} Hz"
+    return _held("phase", of, "rad", angle, 0.0, u, f" (W_exp against the ledger of {len(results)} conditions)", shared)
+
+
+def _level(setting: Setting) -> tuple[Any, ...]:
+    """What the empty box shares with the condition that it is taken off from."""
+    return setting.frequency, setting.acceleration_set, *setting.places
+
+
+def _told(results: Sequence[Result]) -> bool:
+    """Whether the readings tell of the box: not behind a stinger of which nothing is known."""
+    return not results[0].setting.through_stinger or all(r.at_box is not None for each in results for r in each.runs)
 
 
 def _held(
@@ -82,29 +145,34 @@ def _held(
 
 def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
     setting = results[0].setting
-    masses = [run.energy.M_eff for result in results for run in result.runs]
+    runs = [run for result in results for run in result.runs]
+    at_box = [run.at_box for run in runs if run.at_box is not None] if setting.through_stinger else []
+    masses = [one.M_eff for one in at_box] or [run.energy.M_eff for run in runs]
     mean = math.fsum(masses) / len(masses)
     force, acceleration = channels["force"], channels["acceleration"]
     # F/a: of W's budget for one joule the force scales it by +1, the acceleration by 1 - n with n = 2.
     lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0, mean, 2.0)
     scales = {line.source: (line.part - line.part_T, line.nu) for line in lines if line.source != "clock"}
+    expected, where = setting.box_mass + setting.gauge_mass + setting.bed_mass, ""
+    if at_box:
+        expected, where = expected - setting.gauge_mass, ", brought to the box"
+        scales["stinger stiffness"] = math.fsum(one.M_stiffness for one in at_box) / len(at_box), CERTIFICATE_NU
     scatter = [(line.part, line.nu) for line in scatter_line(masses)]
     u = combine(mean, [*scales.values(), *scatter, (RESOLUTION * mean, math.inf)])
-    expected = setting.box_mass + setting.gauge_mass + setting.bed_mass
     shared = {source: part for source, (part, _) in scales.items()}
-    found = _held("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs)", shared)
+    found = _held("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs{where})", shared)
     # One filling does not tell how fillings differ in mass: it may be beyond U, and fails nothing.
     return replace(found, tested=()) if setting.is_bonded and len(masses) == 1 else found
 
 
 def _dashpot(
-    c: float, results: Sequence[Result], empty: Mapping[tuple[float, float], Result],
+    c: float, results: Sequence[Result], empty: Mapping[tuple[Any, ...], Result],
     channels: Mapping[str, ChannelFacts],
 ) -> Reference:  # fmt: skip
     frequency = results[0].setting.frequency
     omega = 2 * math.pi * frequency
     n = len(results)
-    tares = [empty.get((frequency, result.setting.acceleration_set)) for result in results]
+    tares = [empty.get(_level(result.setting)) for result in results]
     known = [tare for tare in tares if tare is not None]
     whole = len(known) == n
     squares = [math.fsum(run.energy.level**2 for run in r.runs) / len(r.runs) for r in results]

@@ -220,6 +220,11 @@ class Setting:
         return self.gauge, self.accelerometer
 
     @property
+    def through_stinger(self) -> bool:
+        """Whether the acceleration is read at the far end of the stinger, whose give and loss are then in it."""
+        return self.accelerometer == "exciter"
+
+    @property
     def is_empty(self) -> bool:
         """Nothing in the box: no grains, and no dashpot either."""
         return self.bed == "empty" or (self.bed not in ("dashpot", "unknown", LOOP_BACK) and self.bed_mass == 0)

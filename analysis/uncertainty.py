@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from analysis.correction import pole_phase
 from analysis.energy import Energy
 from analysis.estimate import Estimate
+from analysis.prediction import Prediction
 from analysis.runs import ChannelFacts
 
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
     "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
-    "numerics_line", "own_parts", "resolution_lines", "scatter_line",
+    "own_parts", "prediction_lines", "refills_line", "resolution_lines", "scatter_line", "stretch_of",
 ]  # fmt: skip
 
 SCATTER = "scatter between runs"
@@ -32,7 +33,8 @@ class Line:
     """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition.
 
     ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad, counted in the
-    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`).
+    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`). stretch:
+    factor in u, of the scatter between runs (`analysis.skewed`).
     """
 
     source: str
@@ -44,6 +46,7 @@ class Line:
     shared: bool = True
     ratio: float = 0.0
     turn: float = 0.0
+    stretch: float = 1.0
 
     @property
     def part(self) -> float:
@@ -176,16 +179,27 @@ def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
     )
 
 
-def numerics_line(u_rel: float, W_T: float) -> tuple[Line, ...]:
-    """The prediction's own numerics."""
-    return (Line("prediction numerics", "1", u_rel, math.inf, 0.0, W_T),) if u_rel > 0 else ()
+def prediction_lines(prediction: Prediction, W_T: float) -> tuple[Line, ...]:
+    """What W_T itself is uncertain by, those left out that contribute nothing.
+
+    Reading it between levels is wrong by chance, in each condition anew; beds that start at rest settle alike.
+    """
+    found = (
+        Line("prediction numerics", "1", prediction.u_rel, math.inf, 0.0, W_T),
+        Line("prediction between levels", "1", prediction.u_levels, math.inf, 0.0, W_T, shared=False),
+        Line("settling of the bed", "1", prediction.u_settling, math.inf, 0.0, W_T),
+    )
+    return tuple(line for line in found if line.u > 0)
 
 
-def mass_and_loss(energies: Sequence[Energy], lines: Sequence[Line], u_noise: float) -> tuple[Estimate, Estimate]:
+def mass_and_loss(
+    energies: Sequence[Energy], lines: Sequence[Line], u_noise: float, stretch: float = 1.0
+) -> tuple[Estimate, Estimate]:
     """Return apparent mass M (kg) and loss factor eta of a condition, means over its runs.
 
-    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments. With M + j M_i = F/A at the fundamental
-    and eta = -M_i/M, a relative change r of |F/A| and a turn t change M by r M - t eta M and eta by t (1 + eta^2).
+    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments; stretch: of W's scatter. With M + j M_i =
+    F/A at the fundamental and eta = -M_i/M, a relative change r of |F/A| and a turn t change M by r M - t eta M and eta
+    by t (1 + eta^2).
     Noise of the quadrature that makes W has an equal in the other, which makes M. A condition measured once has no
     scatter: that noise then takes its place, as it does for W.
     """
@@ -197,24 +211,44 @@ def mass_and_loss(energies: Sequence[Energy], lines: Sequence[Line], u_noise: fl
     shared = [line for line in lines if line.ratio or line.turn]
     of_mass = [(line.u * (line.ratio - line.turn * eta) * M, line.nu) for line in shared]
     of_loss = [(line.u * line.turn * (1 + eta**2), line.nu) for line in shared]
-    for values, parts, noise in ((masses, of_mass, angle * M), (losses, of_loss, angle * math.sqrt(1 + eta**2))):
-        scatter = scatter_line(values) or (Line(SCATTER, "1", abs(noise), math.inf, 1.0),)
+    for values, parts, noise, factor in (
+        (masses, of_mass, angle * M, 1.0),
+        (losses, of_loss, angle * math.sqrt(1 + eta**2), stretch),
+    ):
+        scatter = scatter_line(values, factor) or (Line(SCATTER, "1", abs(noise), math.inf, 1.0),)
         parts += [(line.u, line.nu) for line in scatter]
     return combine(M, of_mass), combine(eta, of_loss)
 
 
-def scatter_line(values: Sequence[float]) -> tuple[Line, ...]:
-    """Type A: scatter between runs over the root of their number (GUM 4.2), nothing for a single run."""
+def scatter_line(values: Sequence[float], stretch: float = 1.0) -> tuple[Line, ...]:
+    """Type A: scatter between runs over the root of their number (GUM 4.2), times a factor for what is known of their
+    distribution; nothing for a single run."""
     n = len(values)
     if n < 2:
         return ()
     mean = math.fsum(values) / n
     s = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1))
-    return (Line(SCATTER, "J", s / math.sqrt(n), float(n - 1), 1.0, shared=False),)
+    return (Line(SCATTER, "J", stretch * s / math.sqrt(n), float(n - 1), 1.0, shared=False, stretch=stretch),)
+
+
+def stretch_of(lines: Iterable[Line]) -> float:
+    """The factor in the scatter between runs of a budget; 1 where it has none."""
+    return next((line.stretch for line in lines if line.source == SCATTER), 1.0)
+
+
+def refills_line(refills: Sequence[float], W_T: float) -> tuple[Line, ...]:
+    """W_T is of the nominal bed and W_exp a mean over refills. By what the prediction's refills take more or less in
+    the mean (rectangular) the two may differ; the same sign in many conditions stays the same in their sum.
+
+    refills: energies of poured beds over the nominal one's.
+    """
+    apart = math.fsum(refills) / len(refills) - 1 if refills else 0.0
+    line = Line("nominal bed for the mean of refills", "1", 1 / math.sqrt(3), math.inf, 0.0, W_T * apart)
+    return (line,) if apart else ()
 
 
 def own_parts(
-    lines: Iterable[Line], pairs: Sequence[tuple[float, float]], d_exp: float = 1.0, d_T: float = -1.0
+    lines: Sequence[Line], pairs: Sequence[tuple[float, float]], d_exp: float = 1.0, d_T: float = -1.0
 ) -> list[tuple[float, float]]:
     """Parts (standard uncertainty, nu) of d_exp W_exp + d_T W_T that are a condition's own, from its budget.
 
@@ -226,7 +260,8 @@ def own_parts(
         for line in lines
         if not line.shared and line.source != SCATTER
     ]  # fmt: skip
-    return parts + [(line.u, line.nu) for line in scatter_line([d_exp * W + d_T * W_T for W, W_T in pairs])]
+    combined = scatter_line([d_exp * W + d_T * W_T for W, W_T in pairs], stretch_of(lines))
+    return parts + [(line.u, line.nu) for line in combined]
 
 
 def difference_parts(lines: Sequence[Line], pairs: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:

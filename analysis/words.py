@@ -1,8 +1,17 @@
-"""Numbers in sentences."""
+"""Words for reports: numbers in sentences, and text from strangers in markup."""
 
-__all__ = ["counted"]
+import html
+
+from daq.strange_text import visible
+
+__all__ = ["counted", "escape"]
 
 
 def counted(count: int, noun: str) -> str:
     """ "1 run", "8 runs"."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def escape(text: str, keep: str = "\n") -> str:
+    """Return text as HTML or XML text: nothing in it is taken for markup, and no character but `keep` is hidden."""
+    return html.escape(visible(text, keep))

@@ -10,6 +10,8 @@ import io
 import os
 from pathlib import Path
 
+from daq.regular_files import open_regular
+
 __all__ = ["Unmarked", "clear_consistency_flags", "lookup3", "marked_open"]
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -50,7 +52,7 @@ def lookup3(data: bytes, initial: int = 0) -> int:
 
 def marked_open(path: Path) -> bool:
     """Whether the file says that a writer has it open; False also for files without such a mark. Raises OSError."""
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         head = file.read(ADDRESSES_AT)
     return _has_flags(head) and bool(head[FLAGS_AT] & (OPEN_FOR_WRITE | OPEN_FOR_SWMR))
 

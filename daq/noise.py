@@ -36,7 +36,7 @@ class Flicker:
 
     def __init__(self, spots: Sequence[float], scale: float, rate: float, rng: np.random.Generator) -> None:
         corner = np.array(SPOTS[:-1])
-        self._keep = np.exp(-2 * math.pi * corner / rate)
+        self._keep = np.array([math.exp(-2 * math.pi * value / rate) for value in SPOTS[:-1]])
         self._sigma = scale * np.sqrt(sections(spots) * math.pi / 2 * corner)
         self._rng = rng
         self._state = self._sigma * rng.standard_normal(corner.size)

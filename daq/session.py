@@ -169,7 +169,7 @@ class Recorder:
         row["complete"] = 1
         row["flags"] |= np.uint16(flags)
         self._write_status(run)
-        self._open.clear()
+        self._open = {path: rows for path, rows in self._open.items() if not path.startswith(f"{run}/")}
 
     def completed(self) -> set[str]:
         """Names of the runs that are complete."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from daq.block import Flag
 from daq.channel import ChannelInfo
 from daq.session_hdf5 import dataset, members, read_attributes, read_text
-from daq.session_plan import RunPlan
+from daq.session_plan import RUN_NAME, RunPlan
 from daq.shapes import Keys, List, Number, Text, deviations
 
 __all__ = [
@@ -92,8 +92,9 @@ def plan_deviations(runs: Any) -> Iterator[str]:
     if len(set(names)) < len(names):
         yield "session/runs names a run twice"
     for name in names:
-        if name in ("", ".", "..", "session") or "/" in name:
-            yield f"session/runs has a run called {name!r}"
+        if name == "session" or not RUN_NAME.fullmatch(name):
+            allowed = "letters, digits, _, - and ., starting with a letter, a digit or _; not session"
+            yield f"session/runs has a run called {ascii(name)[:60]}, allowed are {allowed}"
 
 
 def plans_of(runs: Any) -> dict[str, RunPlan]:

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from h5py import h5a, h5d, h5g, h5l, h5o, h5p, h5s, h5t, h5z  # type: ignore[attr-defined, unused-ignore]
 
+from daq.expansion import ALWAYS, DEFLATE, TIMES, most_unpacked
 from daq.hdf5_flags import Unmarked, marked_open
 from daq.writer_lock import is_locked
 
@@ -39,7 +40,6 @@ __all__ = [
 
 AttributeValue = str | int | float | Sequence[str]
 FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32})
-LARGEST_PACKING = 1100  # times that gzip makes zeros smaller, at most
 CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
 IN_HEADER = 64  # attributes of a group that are kept in its header
 FORMAT = ("v110", "v110")
@@ -163,11 +163,19 @@ def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tup
     if not FILTERS.issuperset(filters):
         raise ValueError(f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read")
     kind, shape = found.get_type(), found.shape
-    size = math.prod(shape) * kind.get_size()
-    packing = LARGEST_PACKING if filters else 1
+    item, stored = kind.get_size(), found.get_storage_size()
+    size = math.prod(shape) * item
+    packing = DEFLATE if filters else 1
     # The file's size first: HDF5 would count the chunks of an absurd dataset one by one.
-    if size > packing * file.id.get_filesize() or size > packing * found.get_storage_size():
+    if size > packing * file.id.get_filesize() or size > packing * stored:
         raise ValueError(f"{path} claims {size} bytes, more than the file holds of it")
+    if filters:
+        chunk = math.prod(layout.get_chunk()) * item  # unpacked as a whole, however little is read of it
+        if max(size, chunk) > most_unpacked(stored):
+            raise ValueError(
+                f"{path} would unpack from {stored} bytes to {max(size, chunk)}; at most {TIMES} times as many are "
+                f"unpacked, or {ALWAYS}"
+            )
     return found, kind, shape
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from daq.channel import ChannelInfo
 from daq.session_hdf5 import AttributeValue, array, attributes, group, text
-from daq.session_plan import CHUNK, RunPlan, SessionError, SessionPlan, block_dtype, status_dtype
+from daq.session_plan import CHUNK, RUN_NAME, RunPlan, SessionError, SessionPlan, block_dtype, status_dtype
 
 __all__ = [
     "OWN_NAMES", "ROOT_NAMES", "build_session", "channel_attributes", "data_attributes", "run_attributes",
@@ -55,8 +55,9 @@ def _check(plan: SessionPlan) -> None:
     names = [run.name for run in plan.runs]
     if not names or not plan.channels:
         raise SessionError("a session needs at least one run and one channel")
-    if len(set(names)) < len(names) or "session" in names or any("/" in name for name in names):
-        raise SessionError("run names must be different, without '/', and not 'session'")
+    if len(set(names)) < len(names) or "session" in names or not all(map(RUN_NAME.fullmatch, names)):
+        allowed = "of letters, digits, _, - and . (neither of these two first), and not 'session'"
+        raise SessionError(f"run names must be different, {allowed}")
     if any(run.samples < 1 or run.blocks < 1 for run in plan.runs):
         raise SessionError("every run needs room for at least one sample and one block")
     unknown = sorted({run.condition for run in plan.runs} - {str(condition["id"]) for condition in plan.conditions})

@@ -1,5 +1,6 @@
 """What a session holds, as plain values: the plan a recorder is created from and what a record gives back."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,6 +12,7 @@ from daq.channel import ChannelInfo
 
 __all__ = [
     "CHUNK",
+    "RUN_NAME",
     "SCHEMA",
     "RunInfo",
     "RunPlan",
@@ -24,6 +26,9 @@ __all__ = [
 ]
 
 SCHEMA = "rig/session/1"
+
+RUN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
+"""What a run may be called: files are named after it."""
 
 CHUNK = 16384  # samples; hardware.md, record format
 

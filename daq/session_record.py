@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from daq.channel import ChannelInfo
 from daq.patience import limited
+from daq.regular_files import kind_of_place
 from daq.session_content import (
     RATE,
     block_deviations,
@@ -55,7 +56,9 @@ def open_session(path: Path | str, patience: float | None = None) -> "Record":
     """
     place = Path(path)
     if not place.is_file():
-        raise SessionError(f"there is no session file {place}")
+        kind = kind_of_place(place)
+        found = f"{place} is {kind}, no session file" if kind else f"there is no session file {place}"
+        raise SessionError(found)
     file = _opened(place, patience)
     try:
         return Record(file, place, patience)
@@ -293,6 +296,8 @@ class Record:
             AttributeError,
             MemoryError,
         ) as error:
+            if isinstance(error, MemoryError):
+                raise SessionError(f"{self._path}: out of memory while it was read") from error
             why = error.args[0] if isinstance(error, KeyError) and error.args else error
             raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
 

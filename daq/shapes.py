@@ -47,7 +47,9 @@ class Number:
         """Whether a value is such a number."""
         if value is None:
             return self.null
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return False
+        if isinstance(value, float) and not math.isfinite(value):  # a whole number may be beyond every float
             return False
         inside = self.least < value if self.above else self.least <= value
         return inside and value <= self.most and (not self.whole or value == int(value))

@@ -1,15 +1,19 @@
 """Write files whole or not at all: beside their place under a random name, then moved there.
 
 A full disk or a kill leaves the old file. What stands in the place is replaced and never written through, so that a
-symbolic link in a folder received from somebody else keeps its target as it was.
+symbolic link in a folder received from somebody else keeps its target as it was. Pipes, sockets and devices are never
+replaced.
 """
 
+import errno
 import os
 import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
+
+from daq.regular_files import NotRegular, kind_of_place
 
 __all__ = ["UNFINISHED", "fresh_file", "mark_unfinished", "unfinished", "whole_file", "write_folder", "write_whole"]
 
@@ -28,6 +32,7 @@ NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) |
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """Open a file for writing bytes that takes the place of `path` when the block ends well. Raises OSError."""
+    _check_replaceable(path)
     part = _part_of(path)
     with _removed_on_failure([part]):
         with _create(part) as file:
@@ -46,6 +51,7 @@ def fresh_file(path: Path) -> BinaryIO:
 
     Raises OSError.
     """
+    _check_replaceable(path)
     path.unlink(missing_ok=True)
     return _create(path)
 
@@ -63,6 +69,7 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Pat
         for name, data in contents.items():
             path = folder / name
             _make_parents(folder, path)
+            _check_replaceable(path)
             part = _part_of(path)
             parts[part] = path
             with _create(part) as file:
@@ -91,6 +98,13 @@ def _make_parents(folder: Path, path: Path) -> None:
             return
         if parent.is_symlink():
             raise FileExistsError(f"{parent} is a symbolic link; the files would be written elsewhere")
+
+
+def _check_replaceable(path: Path) -> None:
+    """Raise NotRegular where a path leads to what is neither file nor folder: a superuser could replace a device."""
+    kind = kind_of_place(path)
+    if kind not in ("", "a file", "a folder"):
+        raise NotRegular(errno.EEXIST, f"{kind}, which is not replaced", str(path))
 
 
 def _part_of(path: Path) -> Path:

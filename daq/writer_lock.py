@@ -5,6 +5,8 @@ import sys
 import time
 from pathlib import Path
 
+from daq.regular_files import open_regular
+
 if sys.platform != "win32":
     import fcntl
 
@@ -22,15 +24,12 @@ def is_locked(path: Path) -> bool:
     if sys.platform == "win32":
         return True
     try:
-        descriptor = os.open(path.with_name(path.name + ".lock"), os.O_RDONLY)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        with open_regular(path.with_name(path.name + ".lock")) as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
-    finally:
-        os.close(descriptor)
+    except OSError:
+        return False
     return False
 
 

@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from daq.strange_text import visible
+
 LONGEST_QUOTE = 60
 MOST_MISTAKES = 50
 
@@ -28,7 +30,7 @@ class Mistake:
     def __str__(self) -> str:
         place = "".join(f"{part}: " for part in (self.where, self.field) if part)
         advice = f"; {self.hint}" if self.hint else ""
-        return f"{place}found {self.found}; allowed: {self.allowed}{advice}"
+        return visible(f"{place}found {self.found}; allowed: {self.allowed}{advice}")
 
 
 class InputError(Exception):

@@ -1,5 +1,6 @@
 """The instruments of a protocol: catalog entries and rig file become channels with a certified and an actual state."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -91,10 +92,11 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
 def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
     """An exciter as it may really be: force constant and parts normal about what is known, U (k = 2) as stated."""
     known = {"force_constant": exciter.force_constant_U, **dict.fromkeys(PARTS, exciter.parts_U)}
-    factors = np.exp(0.5 * np.array(list(known.values())) * rng.standard_normal(len(known)))
+    errors = 0.5 * np.array(list(known.values())) * rng.standard_normal(len(known))
+    factors = [math.exp(error) for error in errors]
     return replace(
         exciter,
-        **{name: getattr(exciter, name) * float(factor) for name, factor in zip(known, factors, strict=True)},
+        **{name: getattr(exciter, name) * factor for name, factor in zip(known, factors, strict=True)},
     )
 
 

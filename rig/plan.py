@@ -16,6 +16,7 @@ from rig.scene import Condition, Protocol
 from rig.theory.total import AVERAGED_CYCLES
 
 NOWHERE: Mapping[str, int] = {}
+NO_REFILLS: Mapping[str, Sequence[float]] = {}
 
 BLOCK = 16384
 """Most samples per channel in one block."""
@@ -89,17 +90,25 @@ def has_level(condition: Condition) -> bool:
     return drive.mode == "servo" or drive.control == "level"
 
 
-def prediction_document(found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]) -> dict[str, Any]:
-    """The predictions as plain numbers for the session: another model's numbers may stand in their place."""
+def prediction_document(
+    found: Mapping[str, tuple[Prediction, dict[str, list[float]]]], refills: Mapping[str, Sequence[float]] = NO_REFILLS
+) -> dict[str, Any]:
+    """The predictions as plain numbers for the session: another model's numbers may stand in their place.
+
+    refills : of conditions whose bed is poured anew, energies of poured beds over W_T
+    """
     return {
         "conditions": {
             name: {
                 **table,
                 "u_rel": point.u_rel,
+                "u_levels": point.u_levels,
+                "u_settling": point.u_settling,
                 "W_T_paper": point.W_T_paper,
                 "bound": _finite(point.bound),
                 "period": point.period,
                 "periodic_share": point.periodic_share,
+                **({"refills": list(refills[name])} if refills.get(name) else {}),
             }
             for name, (point, table) in found.items()
         }

@@ -11,6 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from daq.strange_text import visible
+
 PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "h5py")
 CHOSEN = (
     "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_NUM_THREADS",
@@ -44,7 +46,7 @@ def _making() -> dict[str, Any]:
     """When, by which command, on what."""
     return {
         "created": now(),
-        "command": " ".join(sys.argv),
+        "command": visible(" ".join(sys.argv)),
         "platform": platform.platform(),
         "python": platform.python_version(),
         "cpu": cpu(),

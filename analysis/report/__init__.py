@@ -23,7 +23,7 @@ def write_report(
     from analysis.report.html import html_text
     from analysis.report.markdown import markdown_text
     from analysis.report.sections import sections
-    from daq.indented import indented
+    from daq.strange_text import json_text
     from daq.whole_files import write_folder
 
     parts = sections(report, figures)
@@ -34,7 +34,7 @@ def write_report(
         "report.html": html_text(report, parts),
         **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
         **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
-        "report.json": indented(report) + "\n",
+        "report.json": json_text(report) + "\n",
     }
     return write_folder(Path(out_dir), files)
 

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,8 @@ from analysis.report.drawing import Plot
 from analysis.report.html import page
 from analysis.report.markdown import plain, section_texts
 from analysis.report.sections import Section
-from analysis.words import counted
+from analysis.words import counted, escape
+from daq.strange_text import cell_text, json_text
 from daq.whole_files import write_folder
 
 __all__ = ["comparison_sentences", "write_comparison"]
@@ -26,8 +26,6 @@ NAMES = {"material": "material", "density": "density", "diameter": "diameter", "
 def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
     """Write the comparison (analysis.between.compare) into out_dir, made where missing; the paths. Equal comparisons
     give equal bytes."""
-    from html import escape
-
     name = " against ".join(session["name"] for session in reversed(found["sessions"]))
     parts, told = _sections(found), comparison_sentences(found)
     head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(told[0])}</p>", "<section class='verdict good'>",
@@ -39,7 +37,7 @@ def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
         "comparison.md": "\n\n".join(lines) + "\n",
         "comparison.html": page(f"{name}: comparison", head, parts),
         **{f"figures/{plot.name}.svg": plot.svg for part in parts for plot in part.plots},
-        "comparison.json": json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        "comparison.json": json_text(found) + "\n",
     }
     return write_folder(out_dir, files)
 
@@ -217,4 +215,4 @@ def _csv(found: Found) -> str:
 def _plain(value: Any) -> Any:
     if value is None:
         return ""
-    return " ".join(value) if isinstance(value, list) else value
+    return cell_text(" ".join(value) if isinstance(value, list) else value)

@@ -5,6 +5,7 @@ import io
 from typing import Any
 
 from analysis.offset import TERMS
+from daq.strange_text import cell_text
 
 __all__ = ["csv_text"]
 
@@ -20,12 +21,15 @@ COLUMNS = (
 
 
 def csv_text(report: dict[str, Any]) -> str:
-    """The conditions as comma-separated values, SI units, names as in report.json, empty where not known."""
+    """The conditions as comma-separated values, SI units, names as in report.json, empty where not known.
+
+    Text that a spreadsheet would compute as a formula stands behind an apostrophe.
+    """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*COLUMNS, "runs", *(f"offset_{name}" for name in TERMS)])
     for row in report["conditions"]:
-        values = ("" if row[name] is None else row[name] for name in COLUMNS)
+        values = ("" if row[name] is None else cell_text(row[name]) for name in COLUMNS)
         terms = row["offset_terms"] or dict.fromkeys(TERMS, "")
         table.writerow([*values, len(row["runs"]), *(terms[name] for name in TERMS)])
     return text.getvalue()

@@ -5,8 +5,9 @@ Lengths are pixels, y points down. Small enough that one fits a phone; several m
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from html import escape
 from typing import Any
+
+from analysis.words import escape
 
 __all__ = [
     "MOST_POINTS",

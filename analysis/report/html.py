@@ -1,7 +1,6 @@
 """report.html: one self-contained page, for screen, phone and paper."""
 
 from collections.abc import Iterable, Sequence
-from html import escape
 from typing import Any
 
 from analysis.report import wording
@@ -12,6 +11,8 @@ from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
+from analysis.words import escape
+from daq.strange_text import LINES, visible
 
 __all__ = ["html_text", "page"]
 
@@ -62,7 +63,7 @@ def page(title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterab
 
 
 def _file(name: str, text: str) -> str:
-    shown = f"<summary>The {escape(name)} of this session</summary><pre>{escape(text)}</pre>"
+    shown = f"<summary>The {escape(name)} of this session</summary><pre>{escape(text, LINES)}</pre>"
     return f"<section><details>{shown}</details></section>"
 
 
@@ -106,7 +107,7 @@ def _table(table: Table, name: str, titled: bool = True) -> str:
 
 def _quoted(text: str) -> str:
     """A CSS string."""
-    return '"' + "".join(f"\\{ord(c):x} " if c in '"\\<>&\n' else c for c in text) + '"'
+    return '"' + "".join(f"\\{ord(c):x} " if c in '"\\<>&' else c for c in visible(text)) + '"'
 
 
 def _cell(cell: Cell) -> str:

@@ -1,5 +1,6 @@
 """report.md: the report as Markdown text."""
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -9,8 +10,18 @@ from analysis.report.fidelity import fidelity_sentences
 from analysis.report.losses import losses_sentence
 from analysis.report.mistake import mistake_sentences, mistake_tables
 from analysis.report.sections import Section, sections
+from daq.strange_text import LINES, visible
 
 __all__ = ["markdown_text", "plain", "section_texts"]
+
+_INLINE = re.compile(
+    r"[\\`*\[\]<>|#!&~$@]"  # code, emphasis, links, HTML, cells, entities, strikethrough, formulas, addresses
+    r"|(?<![^\W_])_|_(?![^\W_])"  # emphasis, unless inside a word
+    r"|:(?=[^\s\d])|(?<=www)\.",  # http://..., :smile:, www....
+    re.IGNORECASE,
+)
+_BLOCK = re.compile(r"^[-+=]|^\d{1,9}[.)](?=\s|$)")
+"""The first characters of a list, a rule or the line under a heading."""
 
 
 def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
@@ -21,7 +32,7 @@ def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None
         lines.append(f"Question: {plain(report['question'])}")
     lines += [
         *(plain(text) for text in (wording.waveform(report), wording.support(report), losses_sentence(report)) if text),
-        f"## Verdict: {wording.verdict_line(report)}",
+        f"## Verdict: {plain(wording.verdict_line(report))}",
         *(f"**{plain(text)}**" for text in wording.failures(report)),
         plain(wording.headline(report)),
         *map(plain, wording.found(report)),
@@ -37,7 +48,7 @@ def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None
 def section_texts(parts: Sequence[Section]) -> Iterable[str]:
     """The sections as paragraphs of Markdown."""
     for section in parts:
-        yield f"## {section.title}"
+        yield f"## {plain(section.title)}"
         yield from map(plain, section.sentences)
         yield from (f"![{plain(plot.alt)}](figures/{plot.name}.svg)" for plot in section.plots)
         yield from map(_table, section.tables)
@@ -45,15 +56,19 @@ def section_texts(parts: Sequence[Section]) -> Iterable[str]:
 
 def _table(table: Table) -> str:
     lines = [
-        f"### {table.title}\n\n{plain(table.note)}\n",
-        "| " + " | ".join(table.head) + " |",
+        f"### {plain(table.title)}\n\n{plain(table.note)}\n",
+        "| " + " | ".join(map(_inline, table.head)) + " |",
         "|" + "---|" * len(table.head),
-        *("| " + " | ".join(plain(cell.text) for cell in row) + " |" for row in table.rows),
+        *("| " + " | ".join(_inline(cell.text) for cell in row) + " |" for row in table.rows),
     ]
     return "\n".join(lines)
 
 
 def plain(text: str) -> str:
-    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar."""
-    text = " ".join(str(text).split())
-    return "".join(f"\\{c}" if c in "\\`*[]<>|#!" else c for c in text)
+    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or hidden."""
+    return _BLOCK.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", _inline(text))
+
+
+def _inline(text: str) -> str:
+    """Text inside a line: a number may begin with its sign."""
+    return _INLINE.sub(r"\\\g<0>", " ".join(visible(str(text), LINES).split()))

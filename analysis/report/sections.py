@@ -44,7 +44,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
         part("Offset of measured from predicted", (offset_plot(report),), tables.comparisons(report)),
         part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
         part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
-        part("Uncertainty", (), tables.budget(report)),
+        part("Uncertainty", (), tables.budget(report), tables.budget_of_W_T(report)),
         part("Sweeps", (sweep_plot(report),), sweeps(report)),
         part("Waveforms", (waveform_plot(report),)),
         part("Cycles and runs", (repeats_plot(report),)),

@@ -57,7 +57,10 @@ CONDITION = Keys(
         {"period": SIZE, "periodic_share": Number(0.0, 1.0, null=True)},
         {"offset_terms": Keys(dict.fromkeys(TERMS, VALUE), null=True)},
     ),
-    _each("W_T_low W_T_high E_n_model", KNOWN) | {"varied": Each(Text())},
+    _each(
+        "W_T_low W_T_high E_n_model refill_mean refill_skew refill_coverage refill_coverage_plain refills_needed", KNOWN
+    )
+    | {"varied": Each(Text()), "uncertainty_W_T": List(SOURCE)},
 )
 LINE = Keys(_each("slope U_slope intercept U_intercept", KNOWN) | _each("chi2 dof", VALUE), null=True)
 COMPARISON = Keys(_all(_each("comparison against why", Text()), _each("n within", Number(0, whole=True))))

@@ -6,8 +6,8 @@ from typing import Any
 from analysis.report.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
 
 __all__ = [
-    "budget", "claims", "coil", "comparisons", "conditions", "flags", "instruments", "nulls", "recorded", "references",
-    "values",
+    "budget", "budget_of_W_T", "claims", "coil", "comparisons", "conditions", "flags", "instruments", "nulls",
+    "recorded", "references", "values",
 ]  # fmt: skip
 
 Report = dict[str, Any]
@@ -166,25 +166,22 @@ def references(report: Report) -> Table:
         )
         for row in report["references"]
     )  # fmt: skip
-    note = "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels."
+    note = (
+        "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels, and "
+        "by the rig's own ledger the phase between them."
+    )
     return Table("References", note, ("reference", "of", "found ± U", "known", "unit", "verdict", "why"), rows)
 
 
+BUDGET = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
+
+
 def budget(report: Report) -> Table:
-    """The uncertainty budget of the condition with the largest energy."""
+    """The uncertainty budget of W_exp in the condition with the largest energy."""
     title = "Uncertainty budget"
     if not report["conditions"]:
         return Table(title, "", (), ())
-    top = max(report["conditions"], key=lambda row: float(row["W_exp"]))
-    rows = tuple(
-        (
-            Cell(line["source"]), _input(line["u"], line["unit"]),
-            number(line["c"], 3, 1.0 if line["unit"] == "J" else 1e3),
-            UNBOUNDED if line["nu"] is None else _plain(line["nu"]),
-            number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
-        )
-        for line in top["uncertainty"]
-    )  # fmt: skip
+    top = _largest(report)
     nu = "∞" if top["nu"] is None else f"{top['nu']:.0f}"
     note = (
         f"Of W_exp in {top['id']}, the condition with the largest energy: "
@@ -193,8 +190,41 @@ def budget(report: Report) -> Table:
         "budget of each. Where few runs and certificates come together, k is not Student's at these degrees of freedom "
         "but what covers 95 % (docs/report.md, Uncertainty)."
     )
-    head = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
-    return Table(title, note, head, rows)
+    return Table(title, note, BUDGET, _lines(top["uncertainty"]))
+
+
+def budget_of_W_T(report: Report) -> Table:
+    """The same of W_T, in the same condition."""
+    title = "Uncertainty budget of W_T"
+    if not report["conditions"] or not _largest(report).get("uncertainty_W_T"):
+        return Table(title, "", (), ())
+    top = _largest(report)
+    note = (
+        f"Of W_T in {top['id']}: {with_U(top['W_T'], top['U_W_T'], 1e3).text} mJ. It is read at the measured "
+        "acceleration, so that the accelerometer's errors enter; between levels it is rough where grains lock to the "
+        "drive. Settling of the bed: what a record of this length after this settling holds beside the steady state "
+        "that W_T is. report.json has the budget of each condition."
+    )
+    return Table(title, note, BUDGET, _lines(top["uncertainty_W_T"]))
+
+
+def _largest(report: Report) -> Report:
+    """The condition with the largest energy."""
+    largest: Report = max(report["conditions"], key=lambda row: float(row["W_exp"]))
+    return largest
+
+
+def _lines(lines: Sequence[Report]) -> tuple[tuple[Cell, ...], ...]:
+    """Rows of a budget."""
+    return tuple(
+        (
+            Cell(line["source"]), _input(line["u"], line["unit"]),
+            number(line["c"], 3, 1.0 if line["unit"] == "J" else 1e3),
+            UNBOUNDED if line["nu"] is None else _plain(line["nu"]),
+            number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
+        )
+        for line in lines
+    )  # fmt: skip
 
 
 def _input(u: float, unit: str) -> Cell:

@@ -23,6 +23,7 @@ __all__ = [
 Report = Mapping[str, Any]
 
 FEW = 6  # conditions whose energies the verdict names
+TOLD = 1e-3  # what refills take beyond the nominal bed, relative, from which on it is told
 
 
 def tested(report: Report) -> str:
@@ -160,10 +161,9 @@ def _measured(report: Report) -> str:
 
 
 def found(report: Report) -> tuple[str, ...]:
-    """What else belongs to the verdict: the slope, the mean offset and what rules it, claims, flags."""
-    return tuple(
-        filter(None, (_on_recorded(report), _line(report), _mean_offset(report), _claims(report), _flags(report)))
-    )
+    """What else belongs to the verdict: the slope, the mean offset and what rules it, refills, claims, flags."""
+    parts = (_on_recorded, _line, _mean_offset, _nominal, _coverage, _claims, _flags)
+    return tuple(filter(None, (part(report) for part in parts)))
 
 
 def _on_recorded(report: Report) -> str:
@@ -210,6 +210,53 @@ def _mean_offset(report: Report) -> str:
         f"the offset {_percent(top['offset'])}. Without it the mean is {_percent(without)}; the median is "
         f"{_percent(median)}."
     )
+
+
+def _nominal(report: Report) -> str:
+    """What W_T leaves out: it is of the nominal bed, and the mean of poured beds is another."""
+    rows = [row for row in report["conditions"] if row.get("refill_mean") is not None and row["offset"] is not None]
+    if not rows:
+        return ""
+    total = sum(row["W_T"] for row in rows)
+    mean = sum(row["W_T"] * row["refill_mean"] for row in rows) / total
+    most = max(rows, key=lambda row: abs(row["refill_mean"]))
+    if abs(most["refill_mean"]) < TOLD:
+        return ""
+    return (
+        f"W_T is of the nominal bed. By the model beds poured anew take {_beyond(mean)} in the mean over the "
+        f"conditions, most apart in {most['id']} ({_beyond(most['refill_mean'])}): this stands in U of W_T, offset and "
+        "ratio and is not taken out of their values."
+    )
+
+
+def _beyond(share: float) -> str:
+    return f"{_percent(abs(share))} {'more' if share > 0 else 'less'}"
+
+
+def _coverage(report: Report) -> str:
+    """What the stated intervals hold where refills scatter with a large skew, and how many refills mend it."""
+    rows = [row for row in report["conditions"] if row.get("refill_coverage") is not None]
+    if not rows:
+        return ""
+    shown = [
+        f"{row['id']} (skew {row['refill_skew']:.1f}) {100 * row['refill_coverage']:.1f} % "
+        f"({100 * row['refill_coverage_plain']:.1f} %{_needs(row)})"
+        for row in sorted(rows, key=lambda row: row["refill_coverage_plain"])
+    ]
+    rest = f", in {len(shown) - FEW} more no less" if len(shown) > FEW else ""
+    return (
+        "Few refills of a skewed scatter agree too well, so that U is stretched. Of the intervals for 95 % of W_exp "
+        "hold the mean of all refills, drawn from the model's, as stated (and of Student's t as it is): "
+        f"{', '.join(shown[:FEW])}{rest}."
+    )
+
+
+def _needs(row: Report) -> str:
+    """How many refills Student's t needs for 93 %, where there are fewer."""
+    needed = row["refills_needed"]
+    if needed is not None and needed <= len(row["runs"]):
+        return ""
+    return ", 93 % with " + ("more than 128 refills" if needed is None else f"{needed} refills")
 
 
 def _claims(report: Report) -> str:

@@ -1,19 +1,28 @@
 """Columns out of other tools' files: CSV, UFF58, SEP-005, TDMS, MATLAB, plain HDF5. What they mean is for a mapping."""
 
 import csv
+import io
 import json
-from collections.abc import Callable, Mapping, Sequence
+import math
+import os
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import h5py
 import numpy as np
 import numpy.typing as npt
 
+from daq.expansion import ALWAYS, DEFLATE, TIMES, most_unpacked
 from daq.formats.wave import FormatError, MissingReader
+from daq.regular_files import kind_of_place, open_regular
 from daq.session_hdf5 import dataset, has
+from daq.shapes import Keys, List, Number, Text, deviations
 
 __all__ = ["KINDS", "Column", "CsvStyle", "kind_of", "read_columns"]
 
@@ -25,6 +34,13 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 
 HEADER_LINES = 200  # lines before the numbers that are looked at
 LARGEST_TEXT = 2**31  # bytes of a text file that is read at once
+LONGEST_LINE = 2**20  # characters of a line of a text file
+PIECE = 2**20  # bytes unpacked at a time while they are counted
+RATE = Number(1e-6, 1e9)
+SEP005 = List(Keys({"name": Text(), "fs": RATE}))
+UFF58 = 58
+MAT_HEAD, MAT_PACKED = 128, 15  # bytes of the header; type of a packed element
+MAT_NUMBERS = {"double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
 
 
 @dataclass(frozen=True)
@@ -54,37 +70,71 @@ def read_columns(path: Path, kind: str, wanted: Sequence[str], style: CsvStyle =
 
     Raises FormatError where the file cannot be read, or has no such column (naming those that there are).
     """
-    if not path.is_file():
-        raise FormatError(f"there is no file {path}")
+    kind_there = kind_of_place(path)
+    if kind_there != "a file":
+        raise FormatError(f"{path} is {kind_there}, no file" if kind_there else f"there is no file {path}")
     readers: Mapping[str, Callable[[], dict[str, Column]]] = {
-        "csv": lambda: _csv(path, style), "uff58": lambda: _uff58(path), "sep005": lambda: _sep005(path),
-        "tdms": lambda: _tdms(path), "mat": lambda: _mat(path, wanted), "hdf5": lambda: _hdf5(path, wanted),
+        "csv": lambda: _csv(path, style), "uff58": lambda: _uff58(path), "sep005": lambda: _sep005(path, wanted),
+        "tdms": lambda: _tdms(path, wanted), "mat": lambda: _mat(path, wanted), "hdf5": lambda: _hdf5(path, wanted),
     }  # fmt: skip
     try:
         found = readers[kind]()
     except FormatError:
         raise
+    except MemoryError as error:
+        raise FormatError(f"{path}: out of memory while it was read") from error
     except Exception as error:  # other people's readers raise anything on a foreign file
         raise FormatError(f"{path} cannot be read as {kind}: {str(error) or type(error).__name__}") from error
     return {name: _chosen(path, found, name) for name in wanted}
 
 
 def _chosen(path: Path, found: Mapping[str, Column], name: str) -> Column:
-    if name in found:
-        return found[name]
-    columns = list(found.values())
-    if name.isdecimal() and 1 <= int(name) <= len(columns):
-        return columns[int(name) - 1]
-    listed = ", ".join(islice(found, 20)) or "none"
-    raise FormatError(f"{path} has no column {name!r}; it has {listed}")
+    return found[_name_of(path, list(found), name)]
+
+
+def _name_of(path: Path, names: Sequence[str], name: str) -> str:
+    """Return the column that is called so, or has this position."""
+    if name in names:
+        return name
+    if name.isdecimal() and 1 <= int(name) <= len(names):
+        return names[int(name) - 1]
+    raise FormatError(f"{path} has no column {name!r}; it has {', '.join(names[:20]) or 'none'}")
+
+
+def _hertz(path: Path, what: str, value: Any) -> float:
+    """Return a sampling rate that a file states, Hz."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    if not RATE.holds(plain):
+        raise FormatError(f"{path}: {what} is {plain!r:.40}, expected {RATE} (Hz)")
+    return float(plain)
+
+
+def _refuse_large(path: Path, packed: int, unpacked: int) -> None:
+    """Raise FormatError where bytes of a file would unpack to far more than a record does."""
+    if unpacked > most_unpacked(packed):
+        raise FormatError(
+            f"{path} would unpack from {packed} bytes to {unpacked} or more; at most {TIMES} times as many are "
+            f"unpacked, or {ALWAYS}"
+        )
+
+
+def _lines(path: Path, skip: int) -> Iterator[str]:
+    """Give the lines of a text file after the first `skip`; FormatError for one that is none."""
+    with io.TextIOWrapper(open_regular(path), encoding="utf-8-sig", errors="replace") as file:
+        number = 0
+        while line := file.readline(LONGEST_LINE + 1):
+            number += 1
+            if len(line) > LONGEST_LINE:
+                raise FormatError(f"{path}: line {number} has more than {LONGEST_LINE} characters")
+            if number > skip:
+                yield line
 
 
 def _csv(path: Path, style: CsvStyle) -> dict[str, Column]:
     """Numbers below one line of headers, or none; `#` starts a comment."""
     if path.stat().st_size > LARGEST_TEXT:
         raise FormatError(f"{path} is larger than 2 GiB: cut it into records")
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        head = [line for line in islice(file, style.skip, style.skip + HEADER_LINES) if line.strip()]
+    head = [line for line in islice(_lines(path, style.skip), HEADER_LINES) if line.strip()]
     rows = list(csv.reader((line for line in head if not line.lstrip().startswith("#")), delimiter=style.delimiter))
     if not rows:
         raise FormatError(f"{path} holds no numbers")
@@ -92,11 +142,10 @@ def _csv(path: Path, style: CsvStyle) -> dict[str, Column]:
     names = [word.strip() for word in rows[0]] if None in first else [str(n + 1) for n in range(len(rows[0]))]
     if len(rows) < 2 and None in first:
         raise FormatError(f"{path} holds no numbers below its headers")
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = islice(file, style.skip, None)
-        text = (line.replace(style.decimal, ".") for line in lines) if style.decimal != "." else lines
-        before = _before(path, style) if None in first else 0
-        values = np.loadtxt(text, delimiter=style.delimiter, skiprows=before, ndmin=2, dtype=np.float64)
+    lines = _lines(path, style.skip)
+    text = (line.replace(style.decimal, ".") for line in lines) if style.decimal != "." else lines
+    before = _before(path, style) if None in first else 0
+    values = np.loadtxt(text, delimiter=style.delimiter, skiprows=before, ndmin=2, dtype=np.float64)
     if values.shape[1] != len(names):
         raise FormatError(f"{path} has {len(names)} headers over {values.shape[1]} columns")
     if len(set(names)) < len(names):
@@ -106,10 +155,9 @@ def _csv(path: Path, style: CsvStyle) -> dict[str, Column]:
 
 def _before(path: Path, style: CsvStyle) -> int:
     """Lines up to and with the header, counted from `skip`."""
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        for number, line in enumerate(islice(file, style.skip, None), start=1):
-            if line.strip() and not line.lstrip().startswith("#"):
-                return number
+    for number, line in enumerate(_lines(path, style.skip), start=1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            return number
     return 0
 
 
@@ -127,59 +175,144 @@ def _uff58(path: Path) -> dict[str, Column]:
     except ImportError:
         raise MissingReader("UFF58", "pyuff") from None
     file: Any = pyuff.UFF(str(path))  # type: ignore[no-untyped-call, unused-ignore]
-    sets = [entry for entry in file.read_sets() if entry.get("func_type") == 1]
+    wanted = [number for number, kind in enumerate(file.get_set_types()) if int(kind) == UFF58]
+    read = file.read_sets(wanted) if wanted else []
+    sets = [entry for entry in (read if isinstance(read, list) else [read]) if entry.get("func_type") == 1]
     found: dict[str, Column] = {}
     for number, entry in enumerate(sets, start=1):
-        step = float(entry["x"][1] - entry["x"][0])
+        if len(entry["data"]) != entry["num_pts"] or len(entry["data"]) < 2:
+            raise FormatError(f"{path}: dataset {number} says {entry['num_pts']} values and has {len(entry['data'])}")
+        step = 1 / _hertz(path, f"the rate of dataset {number}", 1 / float(entry["x"][1] - entry["x"][0] or np.nan))
         name = str(entry.get("id1", "")).strip()
         told = str(entry.get("id3", "")).split()
         exact = float(told[1]) if len(told) == 3 and told[0] == "rate" and told[2] == "Hz" else 1 / step
-        rate = exact if abs(exact * step - 1) < 1e-5 else 1 / step
+        rate = exact if math.isfinite(exact) and abs(exact * step - 1) < 1e-5 else 1 / step
         key = name if name and name not in found and name != "NONE" else str(number)
         found[key] = Column(_flat(entry["data"]), rate)
     return found
 
 
-def _sep005(path: Path) -> dict[str, Column]:
+def _sep005(path: Path, wanted: Sequence[str]) -> dict[str, Column]:
+    _check_archive(path)
     with np.load(path, allow_pickle=False) as arrays:
         entries = json.loads(str(arrays["channels"][()]))
-        return {
-            str(entry["name"]): Column(_flat(arrays[f"data_{number}"]), float(entry["fs"]))
-            for number, entry in enumerate(entries)
-        }
+        for sentence in deviations(entries, SEP005, "channels"):
+            raise FormatError(f"{path}: {sentence}")
+        names = [entry["name"] for entry in entries]
+        places = {names.index(_name_of(path, names, name)) for name in wanted}
+        found = {names[n]: Column(_flat(arrays[f"data_{n}"]), float(entries[n]["fs"])) for n in sorted(places)}
+    return {name: found[_name_of(path, names, name)] for name in wanted}
 
 
-def _tdms(path: Path) -> dict[str, Column]:
+def _check_archive(path: Path) -> None:
+    """Raise FormatError for a zip file that unpacks to absurd sizes, or holds arrays larger than its own entries."""
+    with open_regular(path) as file, zipfile.ZipFile(file) as archive:
+        entries = archive.infolist()
+        _refuse_large(path, path.stat().st_size, sum(entry.file_size for entry in entries))
+        for entry in entries:
+            if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                raise FormatError(f"{path} is packed by zip's method {entry.compress_type}; numpy writes 0 and 8")
+            with archive.open(entry) as array:
+                version = np.lib.format.read_magic(array)
+                if version not in ((1, 0), (2, 0)):
+                    raise FormatError(f"{path}: {entry.filename} is an array of version {version}")
+                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                shape, _, dtype = read(array)
+            if math.prod(shape) * dtype.itemsize > entry.file_size:
+                raise FormatError(f"{path}: {entry.filename} claims {shape} values of {dtype}, more than it holds")
+
+
+def _tdms(path: Path, wanted: Sequence[str]) -> dict[str, Column]:
     """Channels as "group/channel"; the rate from the waveform's increment."""
     try:
         import nptdms
     except ImportError:
         raise MissingReader("TDMS", "npTDMS") from None
-    found = {}
-    file: Any = nptdms.TdmsFile.read(path)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
-    for group in file.groups():
-        for channel in group.channels():
-            step = channel.properties.get("wf_increment")
-            found[f"{group.name}/{channel.name}"] = Column(_flat(channel[:]), 1 / float(step) if step else None)
+    size = path.stat().st_size
+    file: Any
+    with nptdms.TdmsFile.open(path) as file:  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+        channels = {f"{group.name}/{one.name}": one for group in file.groups() for one in group.channels()}
+        found = {}
+        for name in wanted:
+            channel = channels[_name_of(path, list(channels), name)]
+            if len(channel) > size:  # nothing is packed in this format
+                raise FormatError(f"{path}: {name} claims {len(channel)} values in a file of {size} bytes")
+            step = channel.properties.get("wf_increment") or None
+            rate = None if step is None else _hertz(path, "1 / wf_increment", _inverse(step))
+            found[name] = Column(_flat(channel[:]), rate)
     return found
+
+
+def _inverse(step: Any) -> Any:
+    """Return 1 / step of a number, anything else as it is."""
+    return 1 / step if isinstance(step, int | float | np.number) and not isinstance(step, bool) else step
 
 
 def _mat(path: Path, wanted: Sequence[str]) -> dict[str, Column]:
     """Numeric variables; `fs` in Hz is the rate of all of them. Version 7.3 is HDF5."""
     from scipy import io as matlab
 
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         version = file.read(10)
     if version == b"MATLAB 7.3":
         return _hdf5(path, wanted)
-    values = matlab.loadmat(path, variable_names=None, simplify_cells=False)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
+    room = _unpacked_mat(path)
+    reader: Any = matlab
+    names = []
+    for name, shape, kind in reader.whosmat(path):
+        if kind not in MAT_NUMBERS:  # cells and structures are not read: their sizes are words
+            continue
+        if math.prod(map(int, shape)) > room:
+            raise FormatError(f"{path}: {name} claims {shape} values, more than the file holds")
+        names.append(name)
+    values = reader.loadmat(path, variable_names=names, simplify_cells=False) if names else {}
     numeric = {
         name: value
         for name, value in values.items()
         if not name.startswith("__") and isinstance(value, np.ndarray) and value.dtype.kind in "fiu"
     }
-    rate = float(numeric["fs"].ravel()[0]) if "fs" in numeric and numeric["fs"].size == 1 else None
+    told = numeric.get("fs")
+    rate = None if told is None or told.size != 1 else _hertz(path, "fs", told.ravel()[0])
     return _by_columns({name: value for name, value in numeric.items() if value.size > 1}, rate)
+
+
+def _unpacked_mat(path: Path) -> int:
+    """Return the bytes that a MATLAB file of version 4 to 7 unpacks to, counted piece by piece without keeping them.
+
+    Raises FormatError as soon as they are too many. The sizes that the file states are words of a stranger.
+    """
+    size = path.stat().st_size
+    with open_regular(path) as file:
+        head = file.read(MAT_HEAD)
+        if len(head) < MAT_HEAD or head[-2:] not in (b"IM", b"MI"):
+            return size  # version 4 packs nothing
+        order = "<" if head[-2:] == b"IM" else ">"
+        if DEFLATE * size <= ALWAYS:
+            return DEFLATE * size
+        unpacked = size
+        while len(tag := file.read(8)) == 8:
+            kind, left = struct.unpack(f"{order}II", tag)
+            if kind != MAT_PACKED:
+                file.seek(left, os.SEEK_CUR)
+                continue
+            for piece in _pieces(file, left):
+                unpacked += piece
+                _refuse_large(path, size, unpacked)
+    return unpacked
+
+
+def _pieces(file: BinaryIO, left: int) -> Iterator[int]:
+    """Give the sizes of the pieces that the next `left` bytes unpack to."""
+    engine = zlib.decompressobj()
+    while left > 0 and not engine.eof:
+        data = file.read(min(left, PIECE))
+        if not data:
+            return
+        left -= len(data)
+        while data and not engine.eof:
+            yield len(engine.decompress(data, PIECE))
+            data = engine.unconsumed_tail
+    file.seek(left, os.SEEK_CUR)
 
 
 def _hdf5(path: Path, wanted: Sequence[str]) -> dict[str, Column]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from daq.formats.wave import FormatError
+from daq.regular_files import open_regular
 from daq.shapes import Each, Keys, List, Number, Shape, Text, YesNo, deviations
 
 __all__ = ["SCHEMA", "FlaggedBlock", "Sidecar", "is_sidecar", "read_sidecar", "sidecar_of"]
@@ -95,10 +96,10 @@ def read_sidecar(path: Path, digest: str) -> Sidecar | None:
 
 def _document(path: Path) -> dict[str, Any] | None:
     """Return the JSON of a file of ours, None for any other or none."""
-    if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-        return None
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        with open_regular(path) as file:
+            text = file.read(LARGEST_FILE + 1)
+        document = json.loads(text.decode("utf-8")) if len(text) <= LARGEST_FILE else None
     except (ValueError, OSError, RecursionError):
         return None
     return document if isinstance(document, dict) and document.get("schema") == SCHEMA else None

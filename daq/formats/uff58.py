@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.formats.wave import Spectrum, Wave
+from daq.strange_text import visible
 from daq.whole_files import whole_file
 
 __all__ = ["write_uff58"]
@@ -77,11 +78,11 @@ def _dataset(
 ) -> None:  # fmt: skip
     text.write(f"{-1:6d}\n{58:6d}{'':74}\n")
     for line in ids:
-        text.write(f"{line[:80]:80}\n")
+        text.write(f"{visible(line)[:80]:80}\n")
     text.write(f"{kind:5d}{0:10d}{0:5d}{0:10d} {freedom}\n")
     text.write(f"{ordinate:10d}{count:10d}{1:10d}{first:13.5e}{step:13.5e}{0.0:13.5e}\n")
     for number, label, unit in axes:
-        text.write(f"{number:10d}{0:5d}{0:5d}{0:5d} {label[:20]:20} {unit[:20]:20}\n")
+        text.write(f"{number:10d}{0:5d}{0:5d}{0:5d} {visible(label)[:20]:20} {visible(unit)[:20]:20}\n")
     for chunk in values:  # each but the last is a multiple of four long
         whole = chunk.size - chunk.size % 4
         np.savetxt(text, chunk[:whole].reshape(-1, 4), fmt="%20.12e", delimiter="")
@@ -91,7 +92,7 @@ def _dataset(
 
 
 def _word(name: str) -> str:
-    return name[:10] or "NONE"
+    return visible(name)[:10] or "NONE"
 
 
 def _direction(wave: Wave) -> int:

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from daq.formats.wave import Wave
+from daq.strange_text import cell_text, json_text
 from daq.whole_files import whole_file
 
 __all__ = ["sep005", "write_csv", "write_mat", "write_sep005"]
@@ -24,7 +24,7 @@ def write_csv(path: Path, waves: Sequence[Wave]) -> None:
     There is no time column: rate, start and all other facts stand in the file beside it. Raises OSError.
     """
     head = io.StringIO()
-    csv.writer(head, lineterminator="\n").writerow([f"{wave.name} [{wave.unit}]" for wave in waves])
+    csv.writer(head, lineterminator="\n").writerow([cell_text(f"{wave.name} [{wave.unit}]") for wave in waves])
     with whole_file(path) as file:
         file.write(head.getvalue().encode())
         for chunks in zip(*(wave.signal.chunks() for wave in waves), strict=True):
@@ -43,7 +43,7 @@ def write_sep005(path: Path, waves: Sequence[Wave]) -> None:
     """
     entries = sep005(waves)
     arrays = {f"data_{number}": entry.pop("data") for number, entry in enumerate(entries)}
-    told = np.array(json.dumps(entries, ensure_ascii=False))
+    told = np.array(json_text(entries, None))
     with whole_file(path) as file:
         np.savez_compressed(file, channels=told, **arrays)
 
@@ -53,7 +53,7 @@ def write_mat(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
     from scipy import io as matlab
 
     values: dict[str, Any] = {wave.name: wave.samples[:, np.newaxis] for wave in waves}
-    values |= {"fs": waves[0].rate, "start": waves[0].start, "session": json.dumps(facts, ensure_ascii=False)}
+    values |= {"fs": waves[0].rate, "start": waves[0].start, "session": json_text(facts, None)}
     values["units"] = {wave.name: wave.unit for wave in waves}
 
     with whole_file(path) as file:

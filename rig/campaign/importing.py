@@ -15,6 +15,7 @@ from daq.block import Block, Flag
 from daq.channel import ChannelInfo
 from daq.formats.sidecar import Sidecar
 from daq.session import Recorder, RunPlan, SessionPlan
+from daq.strange_text import visible
 from rig.campaign.exported_records import certificate_of, channel_in, with_certificate
 from rig.campaign.records import Reading, read_record
 from rig.catalog import load_rig
@@ -106,7 +107,7 @@ def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
             "rig": {"name": "laboratory", "values": _assumed(mapping, readings)},
             "provenance": provenance(loaded.text, 0, math.fsum(r.force.size / r.rate for r in readings)),
             "import": [
-                {"file": r.source.name, "sha256": r.digest, "frequency": r.frequency, **asdict(r.steady)}
+                {"file": visible(r.source.name), "sha256": r.digest, "frequency": r.frequency, **asdict(r.steady)}
                 for r in readings
             ],
         },
@@ -121,7 +122,7 @@ def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
             size = reading.force.size
             plans.append(RunPlan(
                 name=f"run_{len(plans) + 1:04d}", condition=name, repeat=repeat, order=len(plans) + 1, samples=size,
-                settle_samples=reading.start, blocks=-(-size // BLOCK), t0=created, title=reading.source.name,
+                settle_samples=reading.start, blocks=-(-size // BLOCK), t0=created, title=visible(reading.source.name),
             ))  # fmt: skip
     return plans
 
@@ -143,6 +144,7 @@ def _condition(
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
     predicted = prediction_document(found)["conditions"]
+    predicted[known.id]["u_settling"] = 0.0  # nobody says how long the bed was shaken before the record
     ratios = model_ratios(condition, rig)
     if ratios is not None:
         predicted[known.id]["model"] = list(ratios)

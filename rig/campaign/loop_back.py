@@ -10,6 +10,7 @@ from daq.channel import ideal_transducer
 from daq.fir import OVERSAMPLING
 from daq.source import PhysicalSource
 from rig.instruments import Instruments
+from rig.kernels.waveform import sines
 
 SHARE = 0.5
 """Of the smallest range in use that the voltage takes."""
@@ -48,7 +49,7 @@ class LoopBack:
     def read(self, n: int) -> NDArray[np.float64]:
         """Next n interval means in V, shape (channels, n)."""
         self._source.read(n)
-        angle = self._turn * (self._next + 0.5 + np.arange(n))
+        angle = np.asarray(self._turn * (self._next + 0.5 + np.arange(n)), dtype=np.float64)
         self._next += n
-        sine = self._amplitude * math.sin(self._turn / 2) / (self._turn / 2) * np.sin(angle)
+        sine = self._amplitude * math.sin(self._turn / 2) / (self._turn / 2) * sines(angle)[0]
         return np.tile(sine, (len(self.names), 1))

@@ -1,8 +1,9 @@
 """Looking ahead: what each condition asks of exciter, front end and disk, and what its repeats will be able to tell."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,14 @@ from analysis.uncertainty import angle_uncertainty, certificate_lines, combine, 
 from daq.channel import ChannelInfo
 from daq.fir import OVERSAMPLING
 from daq.frontend import FILTER_DELAY
-from daq.seeds import stream
-from rig.beds.stack import refill
+from rig.campaign.decisions import Decision, Expected, decisions
 from rig.campaign.look import Look, look_coupled, look_servo
 from rig.campaign.setup import Campaign
+from rig.cases import cases
 from rig.drive.exciter import Demand
-from rig.model import predict, total_of
+from rig.model import predict_about
+from rig.plan import condition_facts, has_level, prediction_document
+from rig.refills import refill_ratios
 from rig.scene import Condition
 from rig.theory.total import AVERAGED_CYCLES
 
@@ -25,9 +28,6 @@ Array = NDArray[np.float64]
 
 PEAKS = ("peak", "buckling")
 """Uses of the exciter that are judged by the peak of the force, which rows that hit together raise."""
-
-POURINGS = 8
-"""Refills whose W_T is computed to expect the scatter between repeats."""
 
 BYTES_PER_SAMPLE = 4
 CONFIDENCE = 0.975
@@ -49,6 +49,7 @@ class Outlook:
     stopped : what keeps the level from being reached in coupled drive, "" for nothing
     W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
     repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None where no number up to 100 is enough
+    expected : what the claims are judged on beforehand; None of a sweep
     """
 
     id: str
@@ -71,6 +72,7 @@ class Outlook:
     repeats_needed: int | None
     seconds_per_cycle: float
     stopped: str = ""
+    expected: Expected | None = None
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -114,6 +116,13 @@ def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
         yield from pool.map(lambda condition: outlook(campaign, condition), campaign.conditions)
 
 
+def decided(campaign: Campaign, outlooks: Sequence[Outlook]) -> list[Decision]:
+    """What can be decided of each claim of the protocol."""
+    expected = [one.expected for one in outlooks if one.expected is not None]
+    channels = campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
+    return decisions(cases(campaign.protocol, campaign.conditions), expected, channels, campaign.protocol.repeats.n)
+
+
 def disk(campaign: Campaign) -> int:
     """Bytes that the session's samples will take."""
     samples = sum(campaign.lengths[run.condition.id].samples for run in campaign.runs)
@@ -127,8 +136,18 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
-    point = predict(condition, rig, campaign.averaged.get(condition.id, AVERAGED_CYCLES))
-    U, difference, needed = _plan(campaign, condition, channels, look, float(reactive))
+    point, table = predict_about(condition, rig, campaign.averaged.get(condition.id, AVERAGED_CYCLES))
+    refills = refill_ratios(condition, rig, point.W_T) if campaign.protocol.repeats.refill else ()
+    scatter = float(np.std(refills)) * point.W_T if refills else 0.0
+    U, difference, needed = _plan(campaign, condition, channels, look, float(reactive), scatter)
+    samples = round(condition.acquire.record * rate / drive.frequency)
+    entry: dict[str, Any] | None = None
+    if has_level(condition):
+        document = prediction_document({condition.id: (point, table)}, {condition.id: refills})
+        entry = document["conditions"][condition.id]
+    expected = Expected(
+        condition_facts(condition, rig, point, rate), look.lost, look.mass, look.level, entry, samples, refills
+    )
     return Outlook(
         id=condition.id,
         material=scene.grains.material,
@@ -150,15 +169,21 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         repeats_needed=needed,
         seconds_per_cycle=look.seconds,
         stopped=look.stopped,
+        expected=None if drive.sweep_to is not None else expected,
     )
 
 
 def _plan(
-    campaign: Campaign, condition: Condition, channels: tuple[ChannelInfo, ...], look: Look, reactive: float
+    campaign: Campaign,
+    condition: Condition,
+    channels: tuple[ChannelInfo, ...],
+    look: Look,
+    reactive: float,
+    s: float,
 ) -> tuple[float | None, float | None, int | None]:
-    """Expected U of W_exp, smallest decidable difference of two conditions, J; None where one run shows no scatter.
-    Repeats needed, see Outlook."""
-    n, s, W = campaign.protocol.repeats.n, _scatter(campaign, condition), look.lost
+    """Expected U of W_exp and smallest decidable difference of two conditions, J; None where one run shows no
+    scatter. Repeats needed, see Outlook. s: standard deviation of W between refills, J."""
+    n, W = campaign.protocol.repeats.n, look.lost
     frequency, rate = condition.drive.frequency, campaign.lengths[condition.id].rate
     force, acceleration = channels[:2]
     tops = float(np.hypot(look.mass * look.level, W * 4.0 * np.pi * frequency**2 / max(look.level, 1e-12))), look.level
@@ -181,17 +206,6 @@ def _plan(
         return None, None, needed
     factor = stdtrit(2.0 * (n - 1), CONFIDENCE) * np.sqrt(2.0 / n) if n > 1 else 0.0
     return expected(n), float(factor * np.hypot(s, noise)), needed
-
-
-def _scatter(campaign: Campaign, condition: Condition) -> float:
-    """Standard deviation of W_T over some pourings, J: the refill scatter that the rig file assumes."""
-    if not campaign.protocol.repeats.refill:
-        return 0.0
-    scene, drive, rig = condition.scene, condition.drive, campaign.rig
-    rng = stream(campaign.protocol.seed, condition.seed_key, "preflight")
-    fillings = [refill(scene, rig, rng) for _ in range(POURINGS)]
-    W = [total_of(scene, rig, filling, drive.acceleration, drive.frequency).total for filling in fillings]
-    return float(np.std(W, ddof=1))
 
 
 def _range_use(channel: ChannelInfo, peak: float) -> float:

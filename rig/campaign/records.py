@@ -15,6 +15,7 @@ from analysis.stationary import Steadiness, drive_frequency, steadiness
 from daq.formats.reading import Column, CsvStyle, kind_of, read_columns
 from daq.formats.sidecar import Sidecar
 from daq.formats.wave import FormatError
+from daq.regular_files import open_regular
 from rig.campaign.exported_records import sidecar_for
 from rig.mapping import (
     ACCELERATION_UNITS,
@@ -67,7 +68,7 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
         bad = np.flatnonzero(~np.isfinite(columns[name].samples))
         if bad.size:
             raise FormatError(f"{file}: {name} is not a number at sample {bad[0]}; a record may have no gap")
-    with file.open("rb") as content:
+    with open_regular(file) as content:
         digest = hashlib.file_digest(content, "sha256").hexdigest()
     sidecar = sidecar_for(file, digest, mapping)
     rate = _rate(file, mapping, force, acceleration, columns[names[2]].samples if mapping.time else None)

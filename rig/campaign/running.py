@@ -4,6 +4,7 @@ The calling thread writes what the workers compute and analyses each run as soon
 not grow with the length of a record and nothing depends on the number of workers.
 """
 
+import importlib
 from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
@@ -22,6 +23,9 @@ from rig.scene import Protocol
 
 if TYPE_CHECKING:
     from rig.campaign.watching import Look
+
+AT_THE_END = ("analysis.comparison", "analysis.report.html")
+"""Modules that are needed when the workers have nothing left to do, and so are loaded before."""
 
 
 def run(
@@ -53,6 +57,9 @@ def run(
     with executor.started(campaign, waiting, speed) as parts:
         from daq.session import Recorder  # loaded while the workers are at it, as whatever only the writer needs
         from rig.campaign.session import session_plan
+
+        for name in AT_THE_END:
+            importlib.import_module(name)
 
         if resume:
             recorder = Recorder.resume(path)

@@ -1,5 +1,6 @@
 """What a session file states before the first sample: conditions, predictions, instruments, provenance."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from daq.frontend import FILTER_DELAY
@@ -14,9 +15,11 @@ from rig.cases import cases, varied
 from rig.catalog import dump_rig
 from rig.catalog.entries import Exciter
 from rig.drive.exciter import Demand, solvable_band
+from rig.model import Prediction
 from rig.plan import Run, condition_facts, has_level, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
+from rig.refills import refill_ratios
 from rig.settings import assumed_settings
 
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
@@ -44,7 +47,9 @@ def session_plan(campaign: Campaign) -> SessionPlan:
         protocol={"name": protocol.name, "question": protocol.question, **identity(campaign)["protocol"],
                   "expect": cases(protocol, campaign.conditions)},
         documents={
-            "prediction": prediction_document({c.id: found[c.id] for c in campaign.conditions if has_level(c)}),
+            "prediction": prediction_document(
+                {c.id: found[c.id] for c in campaign.conditions if has_level(c)}, poured(campaign, found)
+            ),
             "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
                     "provenance": dict(campaign.rig.provenance),
                     "values": [*(asdict(value) for value in campaign.rig.values),
@@ -65,6 +70,16 @@ def session_plan(campaign: Campaign) -> SessionPlan:
             *(NAMES if campaign.recorded else ()),
         ),
     )  # fmt: skip
+
+
+def poured(
+    campaign: Campaign, found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]
+) -> dict[str, tuple[float, ...]]:
+    """Energies of poured beds over W_T by condition; nothing where the repeats share one bed."""
+    if not campaign.protocol.repeats.refill:
+        return {}
+    told = (c for c in campaign.conditions if has_level(c))
+    return {c.id: refill_ratios(c, campaign.rig, found[c.id][0].W_T) for c in told}
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:

@@ -27,8 +27,11 @@ from rig.campaign.setup import Campaign
 from rig.errors import InputError
 from rig.plan import Run
 
-QUEUED_PARTS = 24
-"""Parts of runs that may wait in a worker for the writer."""
+QUEUED_PARTS = 64
+"""Parts of runs that may wait in a worker for the writer: 8 MB of two channels."""
+
+BEFOREHAND = 20
+"""Most runs that a worker gets at the start, to have something to do while the writer predicts and makes its file."""
 
 log = logging.getLogger(__name__)
 
@@ -63,7 +66,12 @@ class Processes:
                 process.start()
                 processes.append(process)
                 there.close()  # held by the worker alone: its death closes the pipe
-            yield _received(pipes, waiting)
+            given: dict[Connection, deque[int]] = {pipe: deque() for pipe in pipes}
+            left = deque(range(len(waiting)))
+            beforehand = min(BEFOREHAND, len(waiting) // (4 * count)) if count else 0
+            for depth in range(1, max(beforehand, 1) + 1):
+                _give(given, left, [0] * len(waiting), depth)
+            yield _received(given, left, waiting)
         finally:
             for process in processes:
                 process.kill()
@@ -73,13 +81,11 @@ class Processes:
                 pipe.close()
 
 
-def _received(pipes: Sequence[Connection], waiting: Sequence[Run]) -> Iterator[Part]:
-    """Hand out the runs by their number and give what comes back.
+def _received(given: dict[Connection, deque[int]], left: deque[int], waiting: Sequence[Run]) -> Iterator[Part]:
+    """Hand out the runs by their number, those that are left, and give what comes back.
 
     A pipe ends with its worker, even in the middle of a message; what the worker had to do goes to the others.
     """
-    given: dict[Connection, deque[int]] = {pipe: deque() for pipe in pipes}
-    left = deque(range(len(waiting)))
     known = [0] * len(waiting)
     lost: set[int] = set()
     while left or any(given.values()):
@@ -113,11 +119,18 @@ def _hand_out(given: dict[Connection, deque[int]], left: deque[int], known: Sequ
     """Give every worker a run, and the next one beforehand while more are left than there are workers: none then waits
     for the writer, nor at the end one run for another while a worker is idle."""
     for depth, kept in ((1, 0), (2, len(given))):
-        for pipe, runs in given.items():
-            if len(runs) < depth and len(left) > kept:
-                runs.append(left.popleft())
-                with suppress(OSError):  # a worker that is gone: its pipe tells so when it is read
-                    pipe.send((runs[-1], known[runs[-1]]))
+        _give(given, left, known, depth, kept)
+
+
+def _give(
+    given: dict[Connection, deque[int]], left: deque[int], known: Sequence[int], depth: int, kept: int = 0
+) -> None:
+    """Give a run to every worker that has fewer than `depth`, while more than `kept` are left."""
+    for pipe, runs in given.items():
+        if len(runs) < depth and len(left) > kept:
+            runs.append(left.popleft())
+            with suppress(OSError):  # a worker that is gone: its pipe tells so when it is read
+                pipe.send((runs[-1], known[runs[-1]]))
 
 
 def _ended(runs: Sequence[str]) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 import yaml
 
+from daq.regular_files import open_regular
 from rig.errors import InputError, Mistake, quote
 from rig.tree import Node, Scalar
 
@@ -37,8 +38,8 @@ refuses is read by the second, which has none, so that bounds and words are the 
 def read_file(path: Path) -> str:
     """The text of a file of at most MAX_BYTES of UTF-8. Raises InputError."""
     try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+        with open_regular(path) as stream:
+            data = stream.read(MAX_BYTES + 1) or b""
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         found = (getattr(error, "strerror", None) or "an impossible path").lower()
         raise InputError(Mistake(str(path), "", found, "a readable file")) from error

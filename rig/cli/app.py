@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rig.cli.errors import Commands
+from rig.cli.errors import Commands, with_whole_output
 
 if TYPE_CHECKING:
     from rig.campaign import Campaign
@@ -293,10 +293,11 @@ def init(
     Example: rig init my_test.yaml
     """
     from rig.cli.files import write_new
+    from rig.cli.output import say
     from rig.protocol import protocol_template
 
     write_new(path, protocol_template(), force)
-    typer.echo(f"Wrote {path}. Next: rig check {path}")
+    say(f"Wrote {path}. Next: rig check {path}")
 
 
 @app.command()
@@ -366,4 +367,4 @@ def _speed(text: str) -> float | None:
 def main() -> None:
     """Run the command line; the collector of cycles looks in less often than it would during the heavy imports."""
     gc.set_threshold(100_000)
-    app()
+    with_whole_output(app)

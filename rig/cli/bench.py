@@ -1,7 +1,6 @@
 """`rig bench`: speed against error, as rows, tables, figures and a page."""
 
 import io
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -15,6 +14,7 @@ from rig.benchmarks.page import FIGURES, JSONL, as_line, write_page
 from rig.benchmarks.runner import Job, jobs, measured
 from rig.benchmarks.tables import tables
 from rig.cli.errors import INTERRUPTED
+from rig.cli.output import say
 from rig.cli.tables import table, terminal
 from rig.errors import InputError, Mistake
 
@@ -34,7 +34,7 @@ def bench(quick: bool, out: Path | None, as_json: bool, todo: Sequence[Job] | No
                         print(as_line(row), flush=True)
         except KeyboardInterrupt:
             kept = "nothing was written" if out is None else f"{len(found)} rows are in {out / JSONL}"
-            print(f"rig: interrupted; {kept}", file=sys.stderr)
+            say(f"rig: interrupted; {kept}", to_stderr=True)
             return INTERRUPTED
     if not as_json:
         console = terminal()

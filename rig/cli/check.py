@@ -1,12 +1,12 @@
 """`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
 
-import sys
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from rig.campaign import Campaign
-from rig.campaign.preflight import Outlook, disk, preflight
-from rig.cli.output import cores, print_json
+from rig.campaign.decisions import MOST, Decision
+from rig.campaign.preflight import Outlook, decided, disk, preflight
+from rig.cli.output import cores, print_json, say
 from rig.cli.tables import millijoules, number, table, terminal
 
 
@@ -26,17 +26,21 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         "stand_time_s": seconds,
         "disk_bytes": disk(campaign),
     }
+    claims = decided(campaign, outlooks)
     unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
     unmet += [f"{c}: the tolerance is not met: {found.why}" for c, found in campaign.choices.items() if not found.met]
     if as_json:
-        rows = [{**asdict(o), "flags": list(o.flags)} for o in outlooks]
+        rows = [{**asdict(replace(o, expected=None)), "flags": list(o.flags)} for o in outlooks]
+        for row in rows:
+            del row["expected"]
         if campaign.choices:
             rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
-        print_json({"conditions": rows, **shown, "unmet": unmet})
+        print_json({"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet})
     else:
         swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
         _print_outlook(outlooks, totals, swept)
+        _print_decisions(claims, repeats)
         used = {
             "force": max(o.range_force for o in outlooks),
             "acceleration": max(o.range_acceleration for o in outlooks),
@@ -50,10 +54,25 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
     for line in refused:
-        print(f"rig: --strict: {line}", file=sys.stderr)
+        say(f"rig: --strict: {line}", to_stderr=True)
     if unmet:
-        print(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", file=sys.stderr)
+        say(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", to_stderr=True)
     return 2 if refused else 1 if unmet else 0
+
+
+def _print_decisions(found: Sequence[Decision], repeats: int) -> None:
+    """What is to be expected of each claim, and by how many repeats."""
+    lines = [
+        (
+            str(place), one.claim, one.verdict,
+            str(one.repeats) if one.repeats is not None else f"not by {MOST}", f"{one.found}: {one.why}",
+        )
+        for place, one in enumerate(found, 1)
+    ]  # fmt: skip
+    if lines:
+        title = f"Claims: what {repeats} repeats of the expected energies say, and how many decide"
+        columns = ("no.", "claim", "expected", "repeats", "found then, and why")
+        terminal().print(table(title, columns, lines, ("claim", "expected", "found then, and why")))
 
 
 def _print_choices(campaign: Campaign) -> None:

@@ -1,7 +1,6 @@
 """`rig export` and `rig import`: other tools' files."""
 
 import hashlib
-import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,8 +16,9 @@ from daq.formats.uff58 import write_uff58
 from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
 from daq.session import Record, RunInfo
+from daq.strange_text import json_text
 from daq.whole_files import write_whole
-from rig.cli.output import PASSES, print_json, print_result
+from rig.cli.output import PASSES, print_json, print_result, say
 from rig.cli.progress import progress
 from rig.cli.sessions import session_file
 from rig.cli.watch import open_watched
@@ -55,7 +55,7 @@ def export_session(
         print_json({"written": written})
         return
     for name in written:
-        print(name)
+        say(name)
 
 
 def _check_target(file: Path, session: Path, force: bool) -> None:
@@ -123,8 +123,7 @@ def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> Non
         write_sep005(path, waves)
     with path.open("rb") as content:
         document["sha256"] = hashlib.file_digest(content, "sha256").hexdigest()
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    write_whole(sidecar_of(path), text)
+    write_whole(sidecar_of(path), json_text(document) + "\n")
 
 
 def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]:
@@ -196,6 +195,5 @@ def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
         energy = run_energy(record, info.name).energy
     except AnalysisError:
         return []
-    force = np.where(energy.force == 0, np.nan, energy.force)
-    values = np.nan_to_num(energy.acceleration / force)
+    values = np.divide(energy.acceleration, energy.force, out=np.zeros_like(energy.force), where=energy.force != 0)
     return [Spectrum("acceleration", "force", "(m/s^2)/N", values, energy.frequency)]

@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from daq.clock import NEVER_LATE
+from daq.strange_text import visible
 from rig.cli.tables import number, scaled
 
 if TYPE_CHECKING:
@@ -119,12 +120,15 @@ class LiveView:
         lines = []
         for name, level in look.levels.items():
             filled = min(round(BAR * level), BAR)
-            line = Text(f"{name:<13}{'#' * filled}{'.' * (BAR - filled)} {level:4.0%} worst {self._worst[name]:4.0%}")
+            line = Text(
+                f"{visible(name):<13}{'#' * filled}{'.' * (BAR - filled)} {level:4.0%} worst {self._worst[name]:4.0%}"
+            )
             line.append(f" of {look.ranges[name]:g} V ")
             line.append(" ".join(sorted(self._lamps[name])).upper(), style="bold red")
             lines.append(line)
         energy = f", W {1e3 * sum(look.W) / len(look.W):.5g} mJ" if look.W else ""
-        lines.append(Text(f"{look.run} ({look.condition}): cycle {look.cycles} of {look.of}{energy}"))
+        told = visible(f"{look.run} ({look.condition}): cycle {look.cycles} of {look.of}{energy}")
+        lines.append(Text(told))
         return lines
 
 

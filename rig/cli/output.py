@@ -1,11 +1,12 @@
 """What commands share: results on the terminal or as JSON, and the processors they may use."""
 
-import json
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from daq.strange_text import json_text, visible
 from rig.cli.tables import print_report, terminal
 
 PASSES = "passes"
@@ -13,7 +14,12 @@ PASSES = "passes"
 
 def print_json(value: Any) -> None:
     """JSON on standard output, nothing else."""
-    print(json.dumps(value, indent=1, allow_nan=False))
+    print(json_text(value))
+
+
+def say(sentence: str, to_stderr: bool = False) -> None:
+    """Print one line; what it quotes of a stranger's cannot begin another, or steer the terminal."""
+    print(visible(sentence), file=sys.stderr if to_stderr else sys.stdout)
 
 
 def print_result(report: Mapping[str, Any], folder: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rig.cli.files import write_new
+from rig.cli.output import say
 from rig.errors import InputError, Mistake, nearest
 
 KINDS = ("protocol", "report", "comparison", "map")
@@ -21,7 +22,7 @@ def schema_text(kind: str, out: Path | None, force: bool) -> None:
         print(text, end="")
         return
     write_new(out, text, force)
-    print(f"Wrote {out}")
+    say(f"Wrote {out}")
 
 
 def schema_of(kind: str) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ from analysis.words import counted
 from daq.block import flag_names
 from daq.session import Record
 from daq.whole_files import UNFINISHED, unfinished
-from rig.cli.output import PASSES, cores, print_json, print_result
+from rig.cli.output import PASSES, cores, print_json, print_result, say
 from rig.cli.tables import MOST_ROWS, number, scaled, table, terminal
 from rig.cli.watch import open_watched
 from rig.errors import InputError, Mistake
@@ -74,8 +74,8 @@ def compare_sessions(
         print_json(found)
     else:
         for sentence in comparison_sentences(found):
-            print(sentence)
-        print(f"comparison: {folder / 'comparison.html'}")
+            say(sentence)
+        say(f"comparison: {folder / 'comparison.html'}")
     return 0 if found["pairs"] else 1
 
 
@@ -92,8 +92,8 @@ def validate_session(session: Path, as_json: bool) -> int:
         print_json({"session": str(path), "schema": schema, "deviations": found})
     else:
         for sentence in found:
-            print(sentence)
-        print(f"{path}: {len(found) or 'no'} deviation{'' if len(found) == 1 else 's'} from {schema}")
+            say(sentence)
+        say(f"{path}: {len(found) or 'no'} deviation{'' if len(found) == 1 else 's'} from {schema}")
     return 1 if found else 0
 
 

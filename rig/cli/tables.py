@@ -5,6 +5,9 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
+
+from daq.strange_text import visible
 
 PIPE_WIDTH = 200
 """Columns where nobody's window sets them: in a pipe or a log nothing is cut or wrapped."""
@@ -17,12 +20,24 @@ MOST_ROWS = 40
 """Conditions that a terminal shows of a session; of more, the first and a line that says where the others are."""
 
 
+class Terminal(Console):
+    """The console of all commands: every string that it prints, in sentences and in tables, is one line of text.
+
+    What a foreign file holds is never markup, cannot steer the terminal and begins no line of its own.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(markup=False, emoji=False, **options)
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a string as rich's text; all strings pass here before they are measured or printed."""
+        return super().render_str(visible(text), **options)
+
+
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
-    """The console that results or progress are printed to; what a foreign file holds is text to it, never markup."""
-    console = Console(stderr=stderr, quiet=quiet, markup=False, emoji=False)
-    if console.is_terminal:
-        return console
-    return Console(stderr=stderr, quiet=quiet, width=PIPE_WIDTH, markup=False, emoji=False)
+    """Return the console that results or progress are printed to."""
+    console = Terminal(stderr=stderr, quiet=quiet)
+    return console if console.is_terminal else Terminal(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
 
 
 def millijoules(value: float | None, digits: int = 4) -> str:
@@ -91,7 +106,8 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
     tests = "no energy" if wording.only_sweeps(report) else report["tests"]
     console.print(f"tests: {tests}; waveform: {report['waveform']}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
-        console.print(f"\n{sentence}", soft_wrap=True)
+        console.print()
+        console.print(sentence, soft_wrap=True)
     for flag in report["flags"]:
         worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"
         console.print(f"warning: {flag['flag']} in {counted(len(flag['runs']), 'run')}{worst}")

@@ -6,9 +6,11 @@ Measured on 4000 mutated sessions, a third of them with their checksums made rig
 
 import os
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from rig.cli.errors import BAD_INPUT, INTERRUPTED, fail
+from rig.cli.memory import limit_memory
 
 if TYPE_CHECKING:
     from daq.session import Record
@@ -17,7 +19,6 @@ PATIENCE = 30.0
 """Seconds that one call of the HDF5 library may take."""
 
 CRASHES = ("SIGSEGV", "SIGBUS", "SIGABRT", "SIGFPE", "SIGILL", "SIGSYS")
-BAD_INPUT, INTERRUPTED = 2, 3
 
 
 def open_watched(path: Path) -> "Record":
@@ -37,13 +38,13 @@ def go_on_watched(*files: Path) -> None:
         return
     child = os.fork()
     if not child:
+        limit_memory(files)
         return
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal sends it to the child too
     signal.signal(signal.SIGTERM, lambda *_: os.kill(child, signal.SIGTERM))
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if code < 0:
         code = _say(signal.Signals(-code), " ".join(map(str, files)))
-    sys.stdout.flush()
     os._exit(code)
 
 
@@ -53,7 +54,6 @@ def _say(found: signal.Signals, files: str) -> int:
     elif found.name in CRASHES:
         text = f"{files}: damaged: the HDF5 library crashed on it ({found.name})"
     else:
-        print(f"rig: ended from outside ({found.name})", file=sys.stderr)
-        return INTERRUPTED
-    print(f"rig: {text}", file=sys.stderr)
-    return BAD_INPUT
+        memory = ", as for want of memory" if found.name == "SIGKILL" else ""
+        return fail(f"ended from outside ({found.name}{memory})", INTERRUPTED)
+    return fail(text, BAD_INPUT)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.kernels.waveform import sines
+
 Array = NDArray[np.float64]
 
 
@@ -51,7 +53,8 @@ class Command:
             if first == 0.0 and last == 0.0:
                 continue
             phasor = first + (last - first) * share
-            total += phasor.real * np.cos(h * theta) - phasor.imag * np.sin(h * theta)
+            sine, cosine = sines(h * theta)
+            total += phasor.real * cosine - phasor.imag * sine
         return total
 
     @property

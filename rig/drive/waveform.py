@@ -1,11 +1,13 @@
 """The programmed motion of the box: harmonics of one fundamental, in closed form."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.kernels.waveform import sines
 from rig.scene import Drive
 
 Array = NDArray[np.float64]
@@ -55,7 +57,7 @@ class Waveform:
         for h, (p, q) in enumerate(zip(self.sine, self.cosine, strict=True), start=1):
             if p == 0.0 and q == 0.0:
                 continue
-            s, c = np.sin(h * phase), np.cos(h * phase)
+            s, c = sines(h * phase)
             position += (p / h**2) * s + (q / h**2) * c
             velocity += (p / h) * c - (q / h) * s
         return self.length_unit * position, self.velocity_unit * velocity
@@ -78,6 +80,6 @@ def waveform(
     return Waveform(
         drive.frequency * clock,
         drive.acceleration,
-        (level, 0.0, third * float(np.cos(angle))),
-        (0.0, 0.0, third * float(np.sin(angle))),
+        (level, 0.0, third * math.cos(angle)),
+        (0.0, 0.0, third * math.sin(angle)),
     )

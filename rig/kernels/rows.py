@@ -93,7 +93,18 @@ def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, 
     Returns friction, collision, period (0: none), each of shape (rows,); the period is -1 where a row exceeds
     `MAX_EVENTS`, -2 where its span exceeds `LONGEST_SPAN`.
     """
-    found: tuple[Array, Array, Ints] = _steady_energy(*rows, P, Q, average, no_events())
+    return steady_and_window(rows, P, Q, average, (0, 0))[:3]
+
+
+def steady_and_window(
+    rows: Rows, P: Array, Q: Array, average: int, window: tuple[int, int]
+) -> tuple[Array, Array, Ints, Array]:
+    """Return what `steady_energy` does, and each row's mean energy per cycle in a window of the very same motion.
+
+    window : its first cycle, and the one after its last; the energy has shape (rows,). The rows are at rest when
+    cycle 0 begins, so that this is what a record with so many cycles of settling holds.
+    """
+    found: tuple[Array, Array, Ints, Array] = _steady_energy(*rows, P, Q, average, *window, no_events())
     return found
 
 
@@ -110,13 +121,14 @@ def _span(band: float, play: float) -> tuple[int, int]:
 @njit(cache=True, nogil=True)
 def _steady_energy(
     layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int,
-    room: NDArray[np.void],
-) -> tuple[Array, Array, Ints]:  # fmt: skip
+    first: int, last: int, room: NDArray[np.void],
+) -> tuple[Array, Array, Ints, Array]:  # fmt: skip
     tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     count = layer.shape[0]
     friction = np.zeros(count)
     collision = np.zeros(count)
     period = np.zeros(count, np.int64)
+    seen = np.zeros(count)
     history = np.empty((HISTORY, 3))
     losses = np.empty((HISTORY, 2))
     events = room[0]
@@ -138,6 +150,9 @@ def _steady_energy(
                 for b in range(1, back + 1):
                     friction[r] += losses[(n - b) % HISTORY, 0] / back
                     collision[r] += losses[(n - b) % HISTORY, 1] / back
+                for m in range(max(n, first), last):
+                    b = (n - back + (m - n) % back) % HISTORY
+                    seen[r] += losses[b, 0] + losses[b, 1]
                 break
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
             after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
@@ -146,10 +161,14 @@ def _steady_energy(
                 period[r] = -1
                 break
             losses[k, 0], losses[k, 1] = after.friction, after.collision
+            if first <= n < last:
+                seen[r] += after.friction + after.collision
             if n >= settled:
                 friction[r] += after.friction / averaged
                 collision[r] += after.collision / averaged
-    return friction, collision, period
+        if period[r] == 0:
+            seen[r] += max(last - max(settled + averaged, first), 0) * (friction[r] + collision[r])
+    return friction, collision, period, seen / max(last - first, 1)
 
 
 def follow(

@@ -70,6 +70,7 @@ class Steady(NamedTuple):
     period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS` or `MOST_IN_ALL`
     lid : whether it hits the upper wall; moves : whether it moves in the box at all
     error : standard error of the mean of the losses, 0 for an orbit with a period
+    window : mean losses over the cycles that were asked for
     """
 
     friction: float
@@ -78,6 +79,7 @@ class Steady(NamedTuple):
     lid: bool
     moves: bool
     error: float
+    window: float
 
 
 @njit(cache=True, nogil=True)
@@ -103,25 +105,27 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
 
 
 def steady(
-    start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE
-) -> Steady:
+    start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE,
+    window: tuple[int, int] = (0, 0),
+) -> Steady:  # fmt: skip
     """Mean losses per cycle of a slug that starts at phase 0.
 
     The mean over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never does, the mean over
-    `average` cycles behind the first `settle`.
+    `average` cycles behind the first `settle`. window : the first cycle, and the one after the last, of another mean.
     """
-    return Steady(*_steady(*start, world, table, P, Q, no_events(), settle, average))
+    return Steady(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
 
 
 @njit(cache=True, nogil=True)
 def _steady(
     mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, settle: int,
-    average: int,
-) -> tuple[float, float, int, bool, bool, float]:  # fmt: skip
+    average: int, first: int, last: int,
+) -> tuple[float, float, int, bool, bool, float, float]:  # fmt: skip
     harmonics = np.empty((2, P.shape[0]))
     table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     history = np.zeros((LOOK_BACK, 7))
-    friction, collision, lid, moves = 0.0, 0.0, False, False
+    friction, collision, lid, moves, seen = 0.0, 0.0, False, False, 0.0
+    wanted = max(last - first, 1)
     batches = np.zeros(BATCHES)
     walls = world.upper < np.inf or world.lower > -np.inf
     spent = 0
@@ -131,22 +135,29 @@ def _steady(
             lost = np.zeros(4)
             for b in range(1, back + 1):
                 lost += history[(n - b) % LOOK_BACK, 3:] / back
-            return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0
+            for m in range(max(n, first), last):
+                line = history[(n - back + (m - n) % back) % LOOK_BACK]
+                seen += line[3] + line[4]
+            return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0, seen / wanted
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
         spent += after.events
         if after.events < 0 or spent > MOST_IN_ALL:
-            return friction, collision, -1, lid, True, 0.0
+            return friction, collision, -1, lid, True, 0.0, 0.0
         line = history[n % LOOK_BACK]
         line[0], line[1], line[2] = mode, q, u
         line[3], line[4], line[5], line[6] = after.friction, after.collision, after.high, after.events
         mode, q, u = after.mode, after.q, after.u
+        if first <= n < last:
+            seen += after.friction + after.collision
         if n >= settle:
             friction += after.friction / average
             collision += after.collision / average
             lid = lid or after.high > 0
             moves = moves or mode != 0 or after.events > 0
             batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
-    return friction, collision, 0, lid, moves, float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
+    seen += max(last - max(settle + average, first), 0) * (friction + collision)
+    error = float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
+    return friction, collision, 0, lid, moves, error, seen / wanted
 
 
 def follow(

@@ -1,5 +1,6 @@
 """Friction in a Janssen stack: eqs 1 to 5."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +77,9 @@ def janssen_stress(depth: ArrayLike, bulk_density: float, gravity: float, satura
     h = np.asarray(depth, dtype=np.float64)
     if np.isinf(saturation_length):
         return bulk_density * gravity * h
-    return -bulk_density * gravity * saturation_length * np.expm1(-h / saturation_length)
+    # not numpy's: its last digit hangs on the processor, and rows without a period part over a last digit
+    shortfall = np.vectorize(math.expm1, otypes=[np.float64])(-h / saturation_length)
+    return np.asarray(-bulk_density * gravity * saturation_length * shortfall)
 
 
 def friction_energy_per_slip(

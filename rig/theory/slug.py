@@ -60,22 +60,29 @@ class SlugTotal:
 
 
 def slug_total(
-    slug: Slug, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE
-) -> SlugTotal:
+    slug: Slug, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
+    window: tuple[int, int] | None = None,
+) -> SlugTotal:  # fmt: skip
     """Energy per cycle of a slug on an exact sine of peak `acceleration` (m/s^2), in the state it settles to.
 
-    Raises TooManyEvents.
+    window : the first cycle, and the one after the last, of which a mean is wanted too. Raises TooManyEvents.
     """
     P, Q = np.ones(1), np.zeros(1)
     start = slug.state(acceleration, frequency)
-    found = steady(start, *slug.world(acceleration, frequency, P, Q), P, Q, settle, average)
+    found = steady(start, *slug.world(acceleration, frequency, P, Q), P, Q, settle, average, window or (0, 0))
     if found.period < 0:
         raise TooManyEvents("a slug meets more events in one cycle than can be followed")
     velocity = acceleration / (2.0 * math.pi * frequency)
     unit = slug.mass * velocity**2
     taken = found.friction + found.collision
     return SlugTotal(
-        total=Total(unit * found.friction, unit * found.collision, found.period, 1.0 if found.period else 0.0),
+        total=Total(
+            unit * found.friction,
+            unit * found.collision,
+            found.period,
+            1.0 if found.period else 0.0,
+            None if window is None else unit * found.window,
+        ),
         bound=bound(slug, velocity, frequency, found),
         moves=found.moves,
         error=found.error / taken if taken > 0.0 else 0.0,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.kernels.row import MAX_EVENTS, Rows
-from rig.kernels.rows import LONGEST_SPAN, steady_energy
+from rig.kernels.rows import LONGEST_SPAN, steady_and_window, steady_energy
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 
@@ -23,12 +23,14 @@ class Total:
 
     period : longest period of a sliding row in cycles of the drive, 0 if any row has none
     periodic_share : share of W_T in rows that have a period
+    window : mean over the cycles that were asked for, the first ones of the motion included; None where none were
     """
 
     friction: float
     collision: float
     period: int
     periodic_share: float
+    window: float | None = None
 
     @property
     def total(self) -> float:
@@ -73,6 +75,34 @@ def sliding_rows(threshold: Array, play: Array, row_restitution: float, accelera
     return Rows(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
 
 
+def layer_energies(
+    threshold: Array,
+    play: Array,
+    row_mass: float,
+    row_restitution: float,
+    acceleration: float,
+    frequency: float,
+    averaged_cycles: int,
+) -> Array:
+    """Energy per cycle of each row, J, shape (layers, rows); arguments as for `closed_tier`. Raises TooManyEvents."""
+    energy = np.zeros(play.shape)
+    rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
+    if rows.play.size:
+        friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
+        _refuse(period)
+        unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
+        energy[threshold < acceleration] = unit * (friction + collision).reshape(-1, play.shape[1])
+    return energy
+
+
+def _refuse(period: NDArray[np.int64]) -> None:
+    """Raise TooManyEvents where a row could not be followed."""
+    if (period == -1).any():
+        raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
+    if (period == -2).any():
+        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
+
+
 def closed_tier(
     threshold: Array,
     play: Array,
@@ -81,22 +111,23 @@ def closed_tier(
     acceleration: float,
     frequency: float,
     averaged_cycles: int = AVERAGED_CYCLES,
+    window: tuple[int, int] | None = None,
 ) -> Total:
     """Energy per cycle of independent rows on an exact sine of peak `acceleration`, in their steady state.
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
     play : free play of each row, m, shape (layers, rows)
+    window : the first cycle, and the one after the last, of which a mean is wanted too
 
     Raises TooManyEvents.
     """
     rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
     if rows.play.size == 0:
-        return Total(0.0, 0.0, 1, 1.0)
-    friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
-    if (period == -1).any():
-        raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
-    if (period == -2).any():
-        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
+        return Total(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
+    friction, collision, period, seen = steady_and_window(
+        rows, np.ones(1), np.zeros(1), averaged_cycles, window or (0, 0)
+    )
+    _refuse(period)
     unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
     each = friction + collision
     taken = float(each.sum())
@@ -105,4 +136,5 @@ def closed_tier(
         collision=float(unit * collision.sum()),
         period=int(period.max()) if (period > 0).all() else 0,
         periodic_share=float(each[period > 0].sum()) / taken if taken > 0.0 else float((period > 0).all()),
+        window=None if window is None else float(unit * seen.sum()),
     )

@@ -9,7 +9,7 @@ from analysis.estimate import Estimate
 from analysis.uncertainty import Line, combine, scatter_line
 
 
-def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c"):
+def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
     """A condition from its runs' W (J). still: nothing can slide; scale: relative standard u common to all."""
     W = [float(w) for w in W]
     a = np.broadcast_to(a, len(W))
@@ -26,6 +26,8 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c"):
         W_T=None if W_T is None else Estimate(W_T, 0.0, math.inf),
         pairs=() if W_T is None else tuple((w, W_T) for w in W),
         detect=1e-6,
+        refills=tuple(refills),
+        predicted={},
     )
 
 

@@ -100,7 +100,7 @@ def energy(mass: float, a: float, W: float) -> SimpleNamespace:
     )
 
 
-@pytest.mark.parametrize("repeats", [2, 8])
+@pytest.mark.parametrize("repeats", [2, pytest.param(8, marks=pytest.mark.slow)])
 def test_scatter_that_grows_with_W_is_no_angle(repeats):
     """A light bed in a box whose loss scatters by 5 %, W about 2e-5 a^2. U holds zero in 95 % of 150 draws, within 4
     standard deviations (18); with a scatter that grows as the level alone, 30 and 27 lie outside."""

@@ -56,3 +56,12 @@ def test_a_laboratory_s_own_prediction_needs_two_lists_only():
 def test_numbers_given_along_the_curve_are_taken_at_its_middle():
     found = Prediction.of({"acceleration": [2, 4, 3], "W_T": [1, 4, 2], "bound": [10, 30, 20]})
     assert found.extra["bound"] == 20
+
+
+def test_the_slope_is_that_of_all_points_nearby():
+    """W rough from level to level: neighbours alone would be off by 0.005 sqrt(2)/0.02, seven points are by a fifth of
+    it. Points beyond do not count."""
+    levels = [3.0 * (1 + 0.01 * n) for n in range(-3, 4)]
+    rough = [a**3 * (1 + 0.005 * (-1) ** n) for n, a in enumerate(levels)]
+    assert Curve.of(levels, rough).exponent(3.0) == pytest.approx(3.0, abs=0.07)
+    assert Curve.of([*levels, 3.5], [*rough, 100 * 3.5**3]).exponent(3.0) == pytest.approx(3.0, abs=0.07)

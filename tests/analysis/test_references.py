@@ -40,6 +40,7 @@ def test_known_masses_and_a_known_dashpot_are_recovered():
     rows = by_name(report)
     assert list(rows) == [
         "signs, all runs", "rigid mass, empty box", "rigid mass, bonded bed", f"dashpot, c = {C:g} N s/m",
+        "phase, rigid, 20 Hz",
     ]  # fmt: skip
     assert all(row["verdict"] == "holds" for row in rows.values())
     assert rows["rigid mass, bonded bed"]["expected"] == pytest.approx(11.92 + 38.1)
@@ -50,10 +51,49 @@ def test_known_masses_and_a_known_dashpot_are_recovered():
 
 
 def test_a_scale_beyond_its_certificate_is_found():
-    """5 % in the force against U of about 1.7 %."""
+    """5 % in the force against U of about 1.7 %; it is no angle."""
     report = read_session(made(bench=dataclasses.replace(BENCH, gains=(1.05, 1.0))))
-    assert {row["verdict"] for row in report["references"] if row["unit"]} == {"does not hold"}
+    found = {row["reference"]: row["verdict"] for row in report["references"] if row["unit"]}
+    assert found == {"rigid mass": "does not hold", "dashpot": "does not hold", "phase": "holds"}
     assert report["verdict"] == "fails"
+
+
+@pytest.mark.parametrize("turn", [0.0, 5e-3, -5e-3])
+def test_the_ledger_tells_the_angle_of_a_light_box(turn):
+    """A box of 0.26 kg that loses 100 N s/m has eta = 3: 5 mrad are 0.16 % of its W, a tenth of U, and one run of each
+    level leaves its null one degree of freedom. Beside a scale of 0.3 % the angle comes back within its U, of which the
+    pole's 10 % make 1 mrad; where the null has the runs (four of each), it tells the same angle."""
+    table = [
+        condition(
+            f"{bed}{a:g}", bed=bed, box_mass=0.24, bed_mass=0.14 if bed == "locked" else 0.0, acceleration_set=a,
+            settle_cycles=2, record_cycles=8,
+        )
+        for bed in ("empty", "locked")
+        for a in LEVELS
+    ]  # fmt: skip
+    for repeats in (1, 4):
+        bench = dataclasses.replace(BENCH, turn=turn, repeats=repeats)
+        report = read_session(session(table, lambda *_: 100.0, bench, np.random.default_rng(1)))
+        (phase,) = (row for row in report["references"] if row["reference"] == "phase")
+        # W = g (E cos d - R sin d), the acceleration's lead d
+        assert phase["value"] == pytest.approx(turn, abs=phase["U"])
+        assert 0.9e-3 * 1.96 * 0.5 < phase["U"] < 3e-3
+        assert all(abs(row["E_n_chain"]) < 1 for row in report["conditions"])
+        assert report["verdict"] == ("fails" if turn else "passes")
+    (null,) = report["nulls"]
+    assert abs(null["dphi"] - phase["value"]) < 2 * null["U_dphi"]
+
+
+def test_one_condition_or_one_loss_factor_tells_no_angle():
+    """Where W/R is the same in all conditions an angle looks like a scale: U is that of the scale over eta, 1.6 %/0.003
+    of a heavy box; one condition has no reference."""
+    table = [condition(f"empty{a:g}", bed="empty", bed_mass=0.0, acceleration_set=a, settle_cycles=2, record_cycles=8)
+             for a in LEVELS]  # fmt: skip
+    for rows, found in ((table, 1), (table[:1], 0)):
+        report = read_session(session(rows, lambda *_: 1500.0, BENCH, np.random.default_rng(1)))
+        phases = [row for row in report["references"] if row["reference"] == "phase"]
+        assert len(phases) == found
+        assert all(row["U"] > 0.01 for row in phases)  # 1.6 % of eta = 1500/(w 11.92) = 1.0
 
 
 def test_a_dashpot_without_an_empty_box_is_not_denied():

@@ -6,6 +6,7 @@ of them when a worker is killed. Whole campaigns: tests/road/test_campaign.py (b
 
 import os
 import random
+import select
 import signal
 import threading
 import time
@@ -95,6 +96,18 @@ def taken(executor: Executor, campaign: Any, each: Callable[[int], None] = lambd
             found.setdefault(part.run, []).append(part)
             each(number)
     return found
+
+
+def test_processes_begin_before_anybody_asks() -> None:
+    """The writer predicts and makes its file meanwhile: a worker that waits to be asked would be idle."""
+    begun, tell = os.pipe()
+    campaign = Counted(3, then=lambda _run, _part: os.write(tell, b"."))
+    with Processes(2).started(campaign, campaign.waiting, None):
+        assert select.select([begun], [], [], HANGS / 2)[0]
+        os.read(begun, 1 << 16)  # the part that loads the kernels, computed here
+        assert select.select([begun], [], [], HANGS / 2)[0]
+    os.close(begun)
+    os.close(tell)
 
 
 def assert_same(found: dict[str, list[Part]], campaign: Any, whole: bool = True) -> None:

@@ -141,6 +141,17 @@ def test_a_folder_that_is_a_link_is_refused(folder: Path) -> None:
     assert (folder / "report.json").read_text() == OLD["report.json"]
 
 
+def test_a_pipe_in_the_place_of_a_file_is_not_replaced(folder: Path) -> None:
+    (folder / "a.csv").unlink()
+    os.mkfifo(folder / "a.csv")
+    with pytest.raises(OSError, match="a pipe, which is not replaced"):
+        write_folder(folder, NEW)
+    with pytest.raises(OSError, match="a pipe"):
+        write_whole(folder / "a.csv", "x")
+    assert (folder / "a.csv").is_fifo()
+    assert (folder / "report.json").read_text() == OLD["report.json"]
+
+
 def test_the_mode_is_that_of_any_new_file(tmp_path: Path) -> None:
     (tmp_path / "plain").write_text("x")
     write_whole(tmp_path / "ours", "x")

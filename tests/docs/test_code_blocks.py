@@ -119,6 +119,18 @@ def test_links_lead_somewhere(name: str) -> None:
     assert [t for t in targets if "://" not in t and not (page.parent / t).exists()] == []
 
 
+def test_no_block_that_runs_is_held_to_the_wall_clock() -> None:
+    """A busy machine would be late, and a test never times anything; replaying small sessions fast is no risk."""
+    paced = [
+        (block.page.name, command)
+        for block in EVERY
+        if block.is_shell and not block.mark.startswith("not run")
+        for command in block.commands
+        if command.startswith("rig run") and re.search(r"--speed(?! max)", command)
+    ]
+    assert paced == []
+
+
 def test_few_blocks_cannot_run() -> None:
     """Each says why; beside them stand the blocks that are no code at all."""
     left_out = [block for block in EVERY if block.mark.startswith("not run")]

@@ -14,7 +14,7 @@ ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
     "analysis": (
         "analysis", "daq.caches", "daq.session", "daq.block", "daq.channel", "daq.indented", "daq.shapes",
-        "daq.whole_files", "numpy", "numba",
+        "daq.strange_text", "daq.whole_files", "numpy", "numba",
         "scipy", "matplotlib",
     ),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),

@@ -245,7 +245,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert lines(tmp_path / "none.yaml") == [
         f"{tmp_path / 'none.yaml'}: found no such file or directory; allowed: a readable file"
     ]
-    assert "a directory" in lines(tmp_path)[0]
+    assert "a folder" in lines(tmp_path)[0]
     assert "an impossible path" in lines("a\0b")[0]
     empty, junk, huge, latin = (tmp_path / name for name in ("empty", "junk", "huge", "latin"))
     empty.write_bytes(b"")

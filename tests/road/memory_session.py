@@ -1,6 +1,6 @@
 """Sessions in memory: stand, transducers, front end and codes as in a campaign, read by the analysis without a file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -8,14 +8,14 @@ import numpy as np
 
 from daq.channel import ChannelInfo
 from daq.frontend import FILTER_DELAY
+from rig.campaign.session import exciter_facts
 from rig.campaign.setup import Campaign
 from rig.catalog import load_rig
 from rig.catalog.entries import Rig
-from rig.plan import Run, condition_facts, prediction_document, predictions
+from rig.plan import Run, condition_facts, has_level, prediction_document, predictions
 from rig.protocol import load_protocol
 from rig.scene import Protocol
 
-DTYPE = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (2,)), ("clipped", "<u4", (2,))]
 OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
 """Terms of the offset that are there whatever the instruments do."""
 
@@ -31,13 +31,15 @@ class Plan:
     conditions: Mapping[str, Mapping[str, Any]]
 
     @classmethod
-    def of(cls, text: str) -> "Plan":
-        protocol = load_protocol(text)
+    def of(cls, text: str, sets: Sequence[str] = (), varies: Sequence[str] = ()) -> "Plan":
+        """Of a protocol's text, its file or its name, and changes of it."""
+        protocol = load_protocol(text, sets, varies)
         rig = load_rig(protocol.rig)
         campaign = Campaign.of(protocol, rig)
         found = predictions(campaign.conditions, rig, 1)
         facts = (condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions)
-        return cls(protocol, rig, prediction_document(found), {fact["id"]: fact for fact in facts})
+        told = {c.id: found[c.id] for c in campaign.conditions if has_level(c)}
+        return cls(protocol, rig, prediction_document(told), {fact["id"]: fact for fact in facts})
 
     def session(self, seed: int) -> "MemoryRecord":
         """A session with its own instruments, fillings, levels and noise."""
@@ -84,7 +86,8 @@ class MemoryRecord:
     def __init__(self, plan: Plan, campaign: Campaign) -> None:
         tools = campaign.instruments
         self.conditions = plan.conditions
-        self.documents: dict[str, Any] = {"prediction": plan.prediction}
+        exciter = exciter_facts(plan.rig.exciter)
+        self.documents: dict[str, Any] = {"prediction": plan.prediction, "exciter": exciter}
         self._codes: dict[str, np.ndarray] = {}
         self._blocks: dict[str, np.ndarray] = {}
         self._scalars: dict[str, Mapping[str, float]] = {}
@@ -110,7 +113,9 @@ class MemoryRecord:
         parts = list(campaign.parts(run))
         self._codes[run.name] = np.concatenate([part.block.codes for part in parts], axis=1)
         blocks = [(p.block.start, p.block.codes.shape[1], p.block.flags, p.block.clipped) for p in parts]
-        self._blocks[run.name] = np.array(blocks, dtype=DTYPE)
+        many = len(campaign.instruments.channels)
+        kind = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (many,)), ("clipped", "<u4", (many,))]
+        self._blocks[run.name] = np.array(blocks, dtype=kind)
         self._scalars[run.name] = parts[-1].scalars or {}
         return np.concatenate([part.ledger for part in parts])
 

@@ -285,7 +285,7 @@ def test_a_distorted_record_is_predicted_at_its_fundamental(example: Path, tmp_p
     with open_session(tmp_path / "s.h5") as record:
         entry = record.document("prediction")["conditions"]["box"]
         assert record.conditions["box"]["acceleration_set"] == (6.0 if told else pytest.approx(level, rel=1e-4))
-    assert entry["acceleration"][1] == pytest.approx(level, rel=1e-4)
+    assert entry["acceleration"][len(entry["acceleration"]) // 2] == pytest.approx(level, rel=1e-4)
 
 
 BAD_RECORDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {

@@ -86,7 +86,9 @@ def test_nulls_and_references_hold(tmp_path: Path) -> None:
     assert [(null["null"], null["verdict"]) for null in report["nulls"]] == [
         ("locked", "holds"), ("loop-back", "holds"),
     ]  # fmt: skip
-    assert [row["reference"] for row in report["references"]] == ["signs", "rigid mass", "rigid mass", "dashpot"]
+    assert [row["reference"] for row in report["references"]] == [
+        "signs", "rigid mass", "rigid mass", "dashpot", "phase",
+    ]  # fmt: skip
     assert all(row["verdict"] == "holds" for row in report["references"])
     assert report["verdict"] == "passes"
 

@@ -141,6 +141,20 @@ def test_two_minutes_at_sixty_times_the_speed(tmp_path: Path) -> None:
     assert max(one.worst for one in late) < 0.5
 
 
-def test_pacing_changes_no_sample(tmp_path: Path) -> None:
-    report = run(campaign(*ONE), tmp_path / "paced", speed=200.0)
+def test_pacing_changes_no_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a clock that stands still but for the waits: every block is waited for and none is late but by round-off."""
+    now, waits = [0.0], list[Punctuality]()
+
+    def sleep(seconds: float) -> None:
+        now[0] += seconds
+
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            "rig.campaign.executor.Pacer",
+            lambda rate, speed: Pacer(rate, speed, margin=1e-9, clock=lambda: now[0], sleep=sleep),
+        )
+        report = run(
+            campaign(*ONE), tmp_path / "paced", speed=200.0, progress=lambda step: waits.append(step.punctuality)
+        )
+    assert sum(one.count for one in waits) > 0
     assert report == run(campaign(*ONE), tmp_path / "fast", workers=1)
