@@ -106,7 +106,7 @@ def _root(parts: Sequence[Part]) -> float:
 
 @lru_cache(maxsize=2**17)
 def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
-    """k of two groups by Halley's method from Welch and Satterthwaite's, which is near: each step triples the digits."""
+    """k of two groups by Halley's method, started at Welch and Satterthwaite's: each step triples the digits."""
     from scipy.special import ndtr
 
     inverse, weights = _spread_of(share, nu_few, nu_rest)

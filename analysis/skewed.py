@@ -5,7 +5,6 @@ miss these, err high and agree too well: of a skew of -1.5 it holds the mean in 
 Neither logarithms nor a bootstrap of the four mend it; knowing the distribution does.
 """
 
-import math
 from collections.abc import Sequence
 from functools import lru_cache
 
