@@ -106,16 +106,18 @@ def _root(parts: Sequence[Part]) -> float:
 
 @lru_cache(maxsize=2**17)
 def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
-    """k of two groups by Newton's method; from below, because the probability is concave in k."""
+    """k of two groups by Halley's method, started at Welch and Satterthwaite's: each step triples the digits."""
     from scipy.special import ndtr
 
     inverse, weights = _spread_of(share, nu_few, nu_rest)
-    k, change = 0.5 * coverage_factor(math.inf, level), 1.0
-    while abs(change) > 1e-9 * k:
+    k, change = coverage_factor(1 / (share**2 / nu_few + (1 - share) ** 2 / nu_rest), level), 1.0
+    while abs(change) > 1e-4 * k:  # what is left is of its third power
         deviates = k * inverse
-        inside = weights @ (2 * ndtr(deviates) - 1)
-        density = weights @ (inverse * np.exp(-0.5 * deviates**2)) * math.sqrt(2 / math.pi)
-        change = float((level - inside) / density)
+        missing = level - float(weights @ (2 * ndtr(deviates) - 1))
+        slope = weights * inverse * np.exp(-0.5 * deviates**2) * math.sqrt(2 / math.pi)
+        density, bend = float(slope.sum()), -k * float(slope @ inverse**2)
+        newton = missing / density
+        change = newton / (1 + 0.5 * newton * bend / density)
         k += change
     return k
 
