@@ -8,8 +8,12 @@ from typing import Any
 
 __all__ = ["BEYOND", "Curve", "Prediction"]
 
-NEAR = 0.04
-"""How far from an acceleration, relative, points tell of the slope there: W may be rough from one to the next."""
+CLOSE = 0.01
+"""How far from an acceleration, relative, all points tell of the slope there: as far as the measured one may be off."""
+
+NEAR, EITHER_SIDE = 0.04, 3
+"""Where fewer are close, so many points to either side tell of it, as far off as that: W is rough from one to the next.
+More would hide a slope that changes within a hundredth, as a slug's does beside a jump to another orbit."""
 
 BEYOND = 0.1
 """How far outside its tabulated accelerations, relative, a W_T is still read: a table about one level tells no more."""
@@ -53,17 +57,17 @@ class Curve:
         return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
-        """n = dlnW / dlna at a, a fit to the neighbouring points and all that are `NEAR`; None where W is zero or
-        a single point is known."""
+        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`, `NEAR`); None where W
+        is zero or a single point is known."""
         if len(self.values) == 1 or self(a) <= 0:
             return None
         i = self._stretch(a)
         # About the nearest tabulated point, where that has neighbours on both sides.
         near = i if abs(self.accelerations[i] - a) < abs(self.accelerations[i + 1] - a) else i + 1
         low, high = max(near - 1, 0), min(near + 1, len(self.values) - 1)
-        while low > 0 and self.accelerations[low - 1] >= a * (1 - NEAR):
+        while low > 0 and self._tells(a, low - 1, near):
             low -= 1
-        while high + 1 < len(self.values) and self.accelerations[high + 1] <= a * (1 + NEAR):
+        while high + 1 < len(self.values) and self._tells(a, high + 1, near):
             high += 1
         if min(self.values[low : high + 1]) <= 0:
             low, high = i, i + 1
@@ -71,6 +75,11 @@ class Curve:
             return None
         x, y = (list(map(math.log, part[low : high + 1])) for part in (self.accelerations, self.values))
         return statistics.linear_regression(x, y).slope
+
+    def _tells(self, a: float, place: int, near: int) -> bool:
+        """Whether a point tells of the slope at a, whose nearest point is `near`."""
+        apart = abs(self.accelerations[place] / a - 1)
+        return apart <= CLOSE or (apart <= NEAR and abs(place - near) <= EITHER_SIDE)
 
 
 @dataclass(frozen=True, slots=True)
