@@ -57,8 +57,8 @@ class Curve:
         return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
-        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`, `NEAR`); None where W
-        is zero or a single point is known."""
+        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`, `NEAR`); None where
+        W is zero or a single point is known."""
         if len(self.values) == 1 or self(a) <= 0:
             return None
         i = self._stretch(a)
