@@ -17,6 +17,9 @@ FEWEST_CYCLES = 5
 STRETCHES = 8
 """Equal stretches of whole cycles whose fundamentals are compared."""
 
+NEAR = 0.45
+"""How far from a stated drive frequency, relative, its line is looked for: neither a harmonic nor half of it."""
+
 ROUNDS = 20
 CONVERGED = 1e-12
 
@@ -37,21 +40,23 @@ class Steadiness:
 def drive_frequency(signal: Array, rate: float, guess: float | None = None) -> float:
     """Frequency of the strongest sine in a record, Hz.
 
-    guess: Hz, within half a line of the spectrum; None: the strongest line above the first two. The guess is refined by
-    the phase slope of the fundamental over two halves of a Hann-weighted record, to convergence: exact for a sine, and
-    for one with harmonics as far as the window keeps them apart. AnalysisError where there is no sine to be found.
+    guess: Hz; the strongest line within `NEAR` of it is taken, None: the strongest above the first two. It is refined
+    by the phase slope of the fundamental over two halves of a Hann-weighted record, to convergence: exact for a sine,
+    and for one with harmonics as far as the window keeps them apart. AnalysisError where there is no sine to be found.
     """
     count = signal.size
     window = np.hanning(count)
     x = (signal - signal.mean()) * window
+    spectrum = np.abs(np.fft.rfft(x))
     if guess is None:
-        spectrum = np.abs(np.fft.rfft(x))
         spectrum[:3] = 0.0
-        line = int(np.argmax(spectrum))
-        if not spectrum[line] > 0.0:
-            raise AnalysisError("the record holds no oscillation")
-        guess = line * rate / count
-    frequency = guess
+    else:
+        apart = np.fft.rfftfreq(count, 1 / rate) / guess - 1
+        spectrum[np.abs(apart) > max(NEAR, rate / count / guess)] = 0.0
+    line = int(np.argmax(spectrum))
+    if not spectrum[line] > 0.0:
+        raise AnalysisError("the record holds no oscillation")
+    frequency = guess = line * rate / count
     for _ in range(ROUNDS):
         step = _correction(signal, rate, frequency)
         frequency += step

@@ -16,6 +16,9 @@ from rig.scene import OneOf
 from rig.tree import Node
 from rig.units import Quantity, UnitError, format_quantity, parse_quantity, suggest_unit
 
+SMALLEST = 1e-60
+"""Smallest number but 0, SI: products of a few such are numbers still."""
+
 T = TypeVar("T")
 
 
@@ -208,6 +211,8 @@ def number(
         plain = not isinstance(node.value, str)
         hint = suggest_unit(float(value), quantity) if plain else ""
         raise notes.reject(node.where, path, describe(node), allowed, hint)
+    if 0 < abs(value) < SMALLEST:
+        raise notes.reject(node.where, path, describe(node), f"{allowed}; 0, or at least {SMALLEST:g} in size")
     if not whole:
         return float(value) + 0.0
     if value != int(value):

@@ -181,8 +181,10 @@ def _line(report: Report) -> str:
     found = report["agreement"]
     line = found["line"]
     if found["slope"] is None:
-        if line is None:
+        if found["n"] < 2:
             return ""
+        if line is None or line["slope"] is not None:
+            return "The offset is not the same fraction of W_T in all conditions, so no slope is stated."
         return (
             f"No straight line describes W_exp against W_T (chi² {line['chi2']:.0f}, {line['dof']:.0f} degrees of "
             "freedom): the offset is not in proportion to W_T, and no slope is stated."

@@ -6,6 +6,7 @@ that it never speaks for other samples. Our import reads it.
 """
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ COUNT = Number(0, 1e12, whole=True)
 CERTIFICATE: dict[str, Shape] = {
     "unit": Text(), "model": Text(), "serial": Text(), "direction": Text(), "calibration_date": Text(),
     "sensitivity": Number(), "calibration_U": Number(0, 1), "gain_tolerance": Number(0, 1),
-    "time_constants": List(Number(0, 1e9, above=True)), "time_constant_spread": Number(0, 1),
+    "time_constants": List(Number(1e-9, 1e9)), "time_constant_spread": Number(0, 1),
     "corner_tolerance": Number(0, 1), "delay": Number(-1e9, 1e9), "skew_tolerance": Number(0, 1),
     "noise_rms": Number(0, 1e12), "full_scale": Number(0),
 }  # fmt: skip
@@ -49,11 +50,12 @@ class FlaggedBlock:
 class Sidecar:
     """What stands beside an exported record.
 
-    corrected: poles and delays are undone in the samples. window: first sample of the whole cycles that count
+    corrected: poles and delays are undone in the samples. rate: Hz. window: first sample of the whole cycles that count
     (fractional where a cycle has no whole number of samples), their number, samples per cycle. channels: certificates.
     """
 
     corrected: bool
+    rate: float
     window: tuple[float, int, float]
     flags: tuple[FlaggedBlock, ...]
     channels: Mapping[str, Mapping[str, Any]]
@@ -66,13 +68,17 @@ def sidecar_of(path: Path) -> Path:
 
 def is_sidecar(path: Path) -> bool:
     """Return whether a file is one that `rig export` wrote beside a record."""
-    return _document(path) is not None
+    try:
+        return _document(path) is not None
+    except FormatError:
+        return False
 
 
 def read_sidecar(path: Path, digest: str) -> Sidecar | None:
     """Return what stands beside the record `path`, whose SHA-256 is `digest`; None where there is nothing of ours.
 
-    Raises FormatError where the file is one of ours and is not as `rig export` writes it, or speaks for other samples.
+    Raises FormatError where it cannot be read, as it may be one of ours that was cut; and where it is one of ours and
+    is not as `rig export` writes it, or speaks for other samples.
     """
     beside = sidecar_of(path)
     document = _document(beside)
@@ -88,6 +94,7 @@ def read_sidecar(path: Path, digest: str) -> Sidecar | None:
     window = document["window"]
     return Sidecar(
         document["corrected"],
+        float(document["rate"]),
         (window["start"], int(window["cycles"]), window["samples_per_cycle"]),
         tuple(FlaggedBlock(block["start"], block["count"], block["flags"]) for block in document["flags"]),
         document["channels"],
@@ -95,11 +102,18 @@ def read_sidecar(path: Path, digest: str) -> Sidecar | None:
 
 
 def _document(path: Path) -> dict[str, Any] | None:
-    """Return the JSON of a file of ours, None for any other or none."""
+    """Return the JSON of a file of ours, None for any other or none. Raises FormatError for what is no JSON."""
+    if not os.path.lexists(path):
+        return None
     try:
         with open_regular(path) as file:
             text = file.read(LARGEST_FILE + 1)
-        document = json.loads(text.decode("utf-8")) if len(text) <= LARGEST_FILE else None
-    except (ValueError, OSError, RecursionError):
-        return None
+        if len(text) > LARGEST_FILE:
+            raise ValueError(f"it is larger than {LARGEST_FILE} bytes")
+        document = json.loads(text.decode("utf-8"))
+    except (ValueError, OSError, RecursionError) as error:
+        raise FormatError(
+            f"{path} cannot be read ({error}), and may state what is corrected in the record: export the run again, or "
+            "remove it"
+        ) from error
     return document if isinstance(document, dict) and document.get("schema") == SCHEMA else None

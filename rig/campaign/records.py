@@ -71,7 +71,8 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     with open_regular(file) as content:
         digest = hashlib.file_digest(content, "sha256").hexdigest()
     sidecar = sidecar_for(file, digest, mapping)
-    rate = _rate(file, mapping, force, acceleration, columns[names[2]].samples if mapping.time else None)
+    beside = None if sidecar is None else sidecar.rate
+    rate = _rate(file, mapping, (force, acceleration), beside, columns[names[2]].samples if mapping.time else None)
     start = round((mapping.settle if run.settle is None else run.settle) * rate)
     if sidecar is not None and run.settle is None and not mapping.settle:
         start = round(sidecar.window[0])
@@ -79,22 +80,25 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     part = slice(start, min(stop, force.samples.size))
     F = _scaled(force.samples, mapping.force, FORCE_UNITS)
     a = _scaled(acceleration.samples, mapping.acceleration, ACCELERATION_UNITS)
+    if start >= force.samples.size:
+        lasts = force.samples.size / rate
+        raise AnalysisError(f"{file}: the record lasts {lasts:.4g} s, and {start / rate:.4g} s are left out: `settle`")
     if a[part].size < SHORTEST or not np.ptp(a[part]):
         raise AnalysisError(f"{file}: nothing moves in the {a[part].size} samples after {start / rate:g} s")
     try:
         frequency = drive_frequency(a[part], rate, mapping.frequency)
+        if mapping.frequency is not None and abs(frequency / mapping.frequency - 1) > OTHER_DRIVE:
+            raise AnalysisError(f"the drive is at {frequency:.6g} Hz, the mapping says {mapping.frequency:g} Hz")
         steady = steadiness(a[part], rate, frequency)
         cycles = whole_cycles(part.stop, rate, frequency, settle=start * frequency / rate).cycles
     except (AnalysisError, ValueError) as error:
         raise AnalysisError(f"{file}: {error}") from error
-    _gate(file, mapping, frequency, steady)
+    _gate(file, mapping, steady)
     return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar)
 
 
-def _gate(file: Path, mapping: RecordMap, frequency: float, steady: Steadiness) -> None:
+def _gate(file: Path, mapping: RecordMap, steady: Steadiness) -> None:
     limits = mapping.steady
-    if mapping.frequency is not None and abs(frequency / mapping.frequency - 1) > OTHER_DRIVE:
-        raise AnalysisError(f"{file}: the drive is at {frequency:.6g} Hz, the mapping says {mapping.frequency:g} Hz")
     if steady.level > limits.level or steady.phase > limits.phase:
         raise AnalysisError(
             f"{file}: not steady: the acceleration's fundamental changes by {100 * steady.level:.2g} % (allowed "
@@ -103,8 +107,10 @@ def _gate(file: Path, mapping: RecordMap, frequency: float, steady: Steadiness) 
         )
 
 
-def _rate(file: Path, mapping: RecordMap, force: Column, acceleration: Column, time: Array | None) -> float:
-    """Samples per second: of the mapping, the time column, or the file."""
+def _rate(
+    file: Path, mapping: RecordMap, channels: tuple[Column, Column], beside: float | None, time: Array | None
+) -> float:
+    """Samples per second: of the mapping, the time column, the file, or the JSON file beside it."""
     if time is not None and mapping.time is not None:
         seconds = time * {"s": 1.0, "ms": 1e-3, "us": 1e-6}[mapping.time.unit]
         step = float(seconds[-1] - seconds[0]) / max(seconds.size - 1, 1)
@@ -113,7 +119,7 @@ def _rate(file: Path, mapping: RecordMap, force: Column, acceleration: Column, t
             where = int(np.argmax(apart))
             raise FormatError(f"{file}: the time column is not even (sample {where}): no gap or jump is allowed")
         return 1 / step
-    told = [rate for rate in (mapping.rate, force.rate, acceleration.rate) if rate is not None]
+    told = [rate for rate in (mapping.rate, *(one.rate for one in channels), beside) if rate is not None]
     if not told:
         raise FormatError(f"{file} does not say its sampling rate: write `rate:` or `time:` in the mapping")
     if abs(told[0] / told[-1] - 1) > 1e-5:

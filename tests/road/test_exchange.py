@@ -15,7 +15,7 @@ import pytest
 import scipy.io
 from small_protocol import SMALL, Rig
 
-from analysis import run_energy
+from analysis import AnalysisError, run_energy
 from daq import open_session
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import Wave
@@ -286,6 +286,15 @@ def test_a_distorted_record_is_predicted_at_its_fundamental(example: Path, tmp_p
         entry = record.document("prediction")["conditions"]["box"]
         assert record.conditions["box"]["acceleration_set"] == (6.0 if told else pytest.approx(level, rel=1e-4))
     assert entry["acceleration"][len(entry["acceleration"]) // 2] == pytest.approx(level, rel=1e-4)
+
+
+@pytest.mark.parametrize("stated", [15.0, 18.5, 19.6, 20.2, 20.5, 21.0, 25.0, 30.0])
+def test_a_stated_frequency_that_is_not_the_records_is_refused(example: Path, tmp_path: Path, stated: float) -> None:
+    """The drive is at 19.87 Hz; beyond 1 % of what is stated nothing is written."""
+    more = f'frequency: {stated} Hz\ncsv: {{delimiter: ";"}}\ntime: {{channel: "t [s]"}}\n'
+    with pytest.raises(AnalysisError, match=f"the drive is at 19.87 Hz, the mapping says {stated:g} Hz"):
+        imported(tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=more))
+    assert not (tmp_path / "s.h5").exists()
 
 
 BAD_RECORDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {

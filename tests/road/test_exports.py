@@ -156,11 +156,11 @@ def locked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_our_import_takes_what_stands_beside_an_export(
     to: str, raw: bool, locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Corrected or raw: the mapping names channels only, and W, its U and the certificates are the session's."""
+    """Corrected or raw: the mapping names channels only; rate, W, its U and the certificates are the session's."""
     export_session(locked, to, "1", tmp_path / f"r{READERS[to][0]}", raw, True)
     capsys.readouterr()
     force, acceleration = NAMES[to]
-    mapping = f"force: {{channel: '{force}'}}\nacceleration: {{channel: '{acceleration}'}}\nrate: 10240 Hz\n"
+    mapping = f"force: {{channel: '{force}'}}\nacceleration: {{channel: '{acceleration}'}}\n"
     back = imported(tmp_path / f"r{READERS[to][0]}", mapping, tmp_path / "again.h5")["conditions"][0]
     before = json.loads((locked / "report.json").read_text())["conditions"][0]
     # eight cycles of 24-bit codes, written again as 31-bit ones; the frequency is found anew, to 1e-9

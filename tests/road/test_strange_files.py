@@ -132,14 +132,34 @@ def test_a_record_that_is_a_pipe(rig: Command, suffix: str) -> None:
     assert "is a pipe, no file" in found["err"]
 
 
-def test_pipes_beside_good_files_are_passed_over(rig: Command, session: Path, place: Path) -> None:
-    assert rig("export F/s --to csv --run 1 --out F/e.csv")["code"] == 0
-    (place / "e.csv.json").unlink()
-    os.mkfifo(place / "e.csv.json")
-    assert rig("import F/e.csv --map F/map.yaml --out F/imported")["code"] in (0, 1)
-    os.mkfifo(session / "session.h5.lock")
+@pytest.mark.usefixtures("session")
+@pytest.mark.parametrize("damage", ["pipe", "cut", "nested", "no text"])
+def test_a_file_beside_a_record_that_cannot_be_read_is_refused(rig: Command, place: Path, damage: str) -> None:
+    """It may say what is corrected in the record: without it a pole might be undone twice."""
+    assert rig("export F/s --to csv --run 1 --out F/e.csv --force")["code"] == 0
+    beside = place / "e.csv.json"
+    text = beside.read_bytes()
+    beside.unlink()
+    if damage == "pipe":
+        os.mkfifo(beside)
+    else:
+        beside.write_bytes({"cut": text[: len(text) // 2], "nested": b"[" * 100_000, "no text": b"\xff\xfe"}[damage])
+    done = rig("import F/e.csv --map F/map.yaml --out F/imported")
+    beside.unlink()
+    assert done["code"] == 2
+    assert "cannot be read" in done["err"]
+
+
+def test_a_pipe_in_the_place_of_a_lock(rig: Command, session: Path) -> None:
+    """A reader needs none; a writer refuses it, and leaves it there."""
+    lock = session / "session.h5.lock"
+    os.mkfifo(lock)
     assert rig("info F/s")["code"] == 0
-    (session / "session.h5.lock").unlink()
+    done = rig("run nulls --set repeats=1 --set acquire.record=4 --out F/s --force")
+    assert done["code"] == 2
+    assert "no regular file" in done["err"]
+    assert lock.is_fifo()
+    lock.unlink()
 
 
 @pytest.mark.parametrize(
