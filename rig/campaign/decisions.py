@@ -1,13 +1,14 @@
-"""Which claims of a protocol its repeats can decide: the report's own tests, on the session that is
-to be expected.
+"""Which claims of a protocol its repeats can decide: the report's own tests, on sessions as they are to be expected.
 
-Every condition has the energies that were looked at, its refills lie evenly over their distribution,
-and instruments are as good as their certificates: what the tests then say of a claim is what most
-sessions of that many repeats will say.
+Every condition has the energy that was looked at, its refills are drawn from the predicted ones, and instruments are
+as their certificates say. What the tests say in four of five such sessions is expected of the one to come.
 """
 
-from collections.abc import Mapping, Sequence
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,10 @@ UNDECIDED = "undecided"
 MOST = 100
 TRIED = (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, MOST)
 """Numbers of repeats."""
+SHARE = 0.8
+"""Of the drawn sessions, in which a claim has to be decided."""
+DRAWN, FEWEST, SEED = 40, 3, 1
+"""Repeats drawn over all sessions of one number of repeats, sessions at least, and the seed."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +49,9 @@ class Expected:
 
 @dataclass(frozen=True)
 class Decision:
-    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest
-    of TRIED from which on it is decided, None where MOST are not enough; found: what is expected then;
-    why: in the report's words."""
+    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest of TRIED with which
+    it is decided in `SHARE` of the sessions, None where MOST are not enough; found: what such a session finds; why: in
+    the report's words."""
 
     claim: str
     verdict: str
@@ -62,25 +67,41 @@ def decisions(
     if not claims:
         return []
     by_name = {channel.name: channel for channel in channels}
-    tried = {n: judge(claims, _results(expected, by_name, n)) for n in sorted({repeats, *TRIED})}
-    found = []
-    for place, claim in enumerate(claims):
-        verdicts = {n: rows[place] for n, rows in tried.items()}
-        needed: int | None = None
-        for n in sorted(TRIED, reverse=True):
-            if verdicts[n]["verdict"] == UNDECIDED:
-                break
-            needed = n
-        row = verdicts[repeats if needed is not None and needed <= repeats else needed or MOST]
-        found.append(Decision(claim["claim"], verdicts[repeats]["verdict"], needed, row["found"], row["why"]))
-    return found
+
+    @cache
+    def told(n: int) -> list[list[dict[str, Any]]]:
+        """The report's entries of all claims, of each drawn session of n repeats."""
+        streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
+        return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
+
+    return [_decision(place, claim["claim"], told, repeats) for place, claim in enumerate(claims)]
 
 
-def _results(expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], n: int) -> dict[str, Result]:
+def _decision(place: int, claim: str, told: Callable[[int], list[list[dict[str, Any]]]], repeats: int) -> Decision:
+    """What is decided of the claim at a place, `told` giving the entries of all claims by session."""
+
+    def leading(n: int) -> tuple[str, float, float]:
+        """The most frequent verdict with its share of the sessions, and the share that are decided."""
+        found = [session[place]["verdict"] for session in told(n)]
+        verdict, count = Counter(found).most_common(1)[0]
+        return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)
+
+    needed: int | None = None
+    if leading(MOST)[2] >= SHARE:
+        needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
+    verdict, share, _ = leading(repeats)
+    shown = repeats if needed is not None and needed <= repeats else needed or MOST
+    row = next(session[place] for session in told(shown) if session[place]["verdict"] == leading(shown)[0])
+    return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row["found"], row["why"])
+
+
+def _results(
+    expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], n: int, rng: np.random.Generator
+) -> dict[str, Result]:
     found = {}
     for one in expected:
         setting = Setting.of(one.facts)
-        W = _energies(one, n)
+        W = _energies(one, n, rng)
         phasor = np.array([one.level + 0j])
         runs = []
         for place, w in enumerate(W, 1):
@@ -95,11 +116,9 @@ def _results(expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], 
     return found
 
 
-def _energies(one: Expected, n: int) -> list[float]:
-    """W of n repeats, evenly over the distribution of the refills, with its mean and variance."""
+def _energies(one: Expected, n: int, rng: np.random.Generator) -> list[float]:
+    """W of n repeats, J per cycle: refills drawn from the predicted ones."""
     if n == 1 or not one.refills or one.entry is None:
         return [one.W] * n
-    poured = np.array(one.refills) * float(np.median(one.entry["W_T"]))
-    drawn = np.quantile(poured, (np.arange(n) + 0.5) / n)
-    drawn = (drawn - drawn.mean()) * (poured.std(ddof=1) / drawn.std(ddof=1) if drawn.std() else 1.0)
-    return [float(w) for w in one.W + poured.mean() - float(np.median(one.entry["W_T"])) + drawn]
+    W_T = float(np.median(one.entry["W_T"]))
+    return [float(one.W + W_T * (ratio - 1.0)) for ratio in rng.choice(one.refills, n)]

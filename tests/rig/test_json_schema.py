@@ -118,7 +118,7 @@ MUTATIONS = [
     ("scene", "sceen"), ("fill: 85 %", "fill: 850"), ("20 Hz", "20 kg"), ("20 Hz", "-20 Hz"), ("20 Hz", "0 Hz"),
     ("bed: layers", "bed: layer"), ("losses: [noise, air]", "losses: [noise, noise]"), ("seed: 2015", "seed: -1"),
     ("n: 4", "n: 0"), ("n: 4", "n: 2.5"), ("refill: true", "refill: 1"), ("optimum: scene", "optimum: sceen"),
-    ("margin: 2 %", "margin: -2 %"), ("[2 %, 12 %]", "[2 %]"), ("from: 0 %", "form: 0 %"),
+    ("margin: 2 %", "margin: -2 %"), ("[0 %, 14 %]", "[0 %]"), ("from: 0 %", "form: 0 %"),
     ("name: fill_rate", "name: fill rate"), ("rig/protocol/1", "rig/protocol/2"), ("150 mm", "150"),
     ("[2 m/s^2, 3 m/s^2, 4 m/s^2, 5 m/s^2]", "2 m/s^2"), ("rise: scene.grains.fill", "riise: scene.grains.fill"),
     ("axis: horizontal", "axis: sideways"), ("mode: servo", "mode: srevo"), ("settle: 10", "settle: no"),
