@@ -248,7 +248,8 @@ def _agreement(results: Sequence[Result]) -> dict[str, Any]:
         return dict.fromkeys(names, None) | {"n": 0, "put_in": _put_in(predicted)} | on_record
     offsets = [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
     slope, line = line_through(comparable, origin=True), line_through(comparable)
-    if any(fit is not None and not fit.is_likely for fit in (slope, line)):
+    known = line or slope  # of two conditions there is only the line through the origin
+    if known is not None and not known.is_likely:
         slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
     return {
         "ratio": ratio.value, "U_ratio": ratio.U, "k": ratio.k, "nu": ratio.nu,

@@ -53,8 +53,8 @@ class Seen:
     ratio: float
     U_ratio: float
     true_ratio: float
-    slope: float
-    U_slope: float
+    slope: float | None
+    U_slope: float | None
 
 
 def seen(record: Any) -> Seen:
@@ -95,16 +95,24 @@ def sessions(text: str, count: int, first: int = 1) -> Iterator[Seen]:
 
 def shares(found: list[Seen]) -> dict[str, np.ndarray]:
     """Shares of the sessions whose interval holds the truth. Of the chain: the runs' own ledger. Of W_exp, offset and
-    ratio: what refills give in the mean, known from all sessions' ledgers. Of the slope: its mean over all sessions."""
+    ratio: what refills give in the mean, known from all sessions' ledgers. Of the slope,
+    where all state one: its mean over all sessions."""
     mean = np.mean([s.true for s in found], axis=0)
     offset = np.mean([s.true_offset for s in found], axis=0)
-    ratio, slope = np.mean([s.true_ratio for s in found]), np.mean([s.slope for s in found])
+    ratio = np.mean([s.true_ratio for s in found])
+    stated = all(s.slope is not None for s in found)
+    slope = {}
+    if (
+        stated
+    ):  # otherwise W_exp is no line through the origin, and those sessions in which it looks like one are chosen
+        mean_slope = np.mean([s.slope for s in found])
+        slope = {"slope": np.mean([[abs(s.slope - mean_slope) <= s.U_slope] for s in found], axis=0)}
     return {
         "chain": np.mean([np.abs(s.chain) <= 1 for s in found], axis=0),
         "W_exp": np.mean([np.abs(s.W - mean) <= s.U for s in found], axis=0),
         "offset": np.mean([np.abs(s.offset - offset) <= s.U_offset for s in found], axis=0),
         "ratio": np.mean([[abs(s.ratio - ratio) <= s.U_ratio] for s in found], axis=0),
-        "slope": np.mean([[abs(s.slope - slope) <= s.U_slope] for s in found], axis=0),
+        **slope,
     }
 
 
