@@ -33,36 +33,43 @@ from rig.scene import (
     Slug,
     Vary,
 )
+from rig.strict import SMALLEST
+
+
+def sizes(least: float, most: float, **ends: bool) -> st.SearchStrategy[float]:
+    """Numbers of a range that the reader takes: 0, and none too small to be computed with."""
+    return st.floats(least, most, **ends).filter(lambda x: x == 0 or abs(x) >= SMALLEST)
+
 
 # Ranges inside which every combination fits: grains smaller than any cavity, at least one layer and at most 20000,
 # at most 200 Hz so that 500 samples per cycle stay below the analyzer's 102.4 kS/s.
-fractions = st.floats(0, 1)
-fills = st.floats(0.1, 1)
-diameters = st.floats(1e-3, 1e-2)
-frequencies = st.floats(5, 200)
-levels = st.floats(1e-3, 1e3)
+fractions = sizes(0, 1)
+fills = sizes(0.1, 1)
+diameters = sizes(1e-3, 1e-2)
+frequencies = sizes(5, 200)
+levels = sizes(1e-3, 1e3)
 counts = st.integers(1, 500)
 losses = st.permutations(LOSSES).flatmap(lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n])))
 grains = st.builds(
-    Grains, st.sampled_from(names("material")), diameters, fills, st.none() | st.floats(1, 3e4)
+    Grains, st.sampled_from(names("material")), diameters, fills, st.none() | sizes(1, 3e4)
 )  # fmt: skip
 scenes = st.builds(
     Scene,
-    cavity=st.builds(Cavity, st.floats(0.02, 2), st.floats(0.02, 2), st.floats(0.1, 10), st.floats(1e-4, 0.5)),
+    cavity=st.builds(Cavity, sizes(0.02, 2), sizes(0.02, 2), sizes(0.1, 10), sizes(1e-4, 0.5)),
     grains=grains,
     bed=st.sampled_from(BUILT_BEDS),
     losses=losses,
     support=st.sampled_from(("none", "cords", "guide")),
-    layers=st.builds(Layers, st.floats(0, 1000), fractions, st.integers(1, 500), st.booleans()),
+    layers=st.builds(Layers, sizes(0, 1000), fractions, st.integers(1, 500), st.booleans()),
     slug=st.builds(
         Slug,
         fractions,
-        st.none() | st.just("none") | st.floats(0, 0.02, exclude_max=True),
-        st.floats(0, 10),
+        st.none() | st.just("none") | sizes(0, 0.02, exclude_max=True),
+        sizes(0, 10),
         st.just(0.0),
-        st.floats(-9, 9),
+        sizes(-9, 9),
     ),
-    dashpot=st.builds(Dashpot, st.floats(0, 1e9)),
+    dashpot=st.builds(Dashpot, sizes(0, 1e9)),
 )
 drives = st.builds(
     Drive,
@@ -90,8 +97,8 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
     "scene.losses": losses,
     "scene.layers.rows": st.integers(1, 500),
     "scene.layers.side_walls": st.booleans(),
-    "scene.slug.gap": st.none() | st.just("none") | st.floats(0, 0.02, exclude_max=True),
-    "scene.dashpot": st.builds(Dashpot, st.floats(0, 1e9)),
+    "scene.slug.gap": st.none() | st.just("none") | sizes(0, 0.02, exclude_max=True),
+    "scene.dashpot": st.builds(Dashpot, sizes(0, 1e9)),
     "drive.frequency": frequencies,
     "drive.acceleration": levels,
     "acquire.record": counts,
@@ -117,7 +124,7 @@ def grids(draw: st.DrawFn) -> tuple[Vary, ...]:
 
 CLAIMED = sorted(set(VALUES) - {"scene.losses", "scene.dashpot"})
 words = st.text(min_size=1, max_size=20).filter(str.strip)
-margins = st.floats(1e-6, 1)
+margins = sizes(1e-6, 1)
 
 
 @st.composite
@@ -140,16 +147,16 @@ def claims(draw: st.DrawFn) -> Expect:
         parts["limits"] = (draw(margins),)
     if kind == "offset_within":
         parts["path"] = draw(st.just("") | st.just(path))
-        parts["limits"] = tuple(sorted(draw(st.lists(st.floats(-1, 100), min_size=2, max_size=2, unique=True))))
+        parts["limits"] = tuple(sorted(draw(st.lists(sizes(-1, 100), min_size=2, max_size=2, unique=True))))
     return Expect(**parts)
 
 
 mistakes = st.one_of(
     st.just(BadPractice()),
-    st.builds(BadPractice, corners=st.floats(-0.9, 10)),
+    st.builds(BadPractice, corners=sizes(-0.9, 10)),
     st.builds(BadPractice, skew=st.integers(1, 1000)),
-    st.builds(BadPractice, clock=st.floats(1e-9, 1000)),
-    st.builds(BadPractice, offset=st.floats(-1, 1)),
+    st.builds(BadPractice, clock=sizes(1e-9, 1000)),
+    st.builds(BadPractice, offset=sizes(-1, 1)),
     st.builds(BadPractice, coil=st.booleans()),
 )
 protocols = st.builds(
@@ -170,7 +177,7 @@ with_tolerance = st.builds(
     replace,
     protocols.filter(lambda p: not any(path in found_by_auto for axis in p.vary for path in axis.paths)),
     fidelity=st.just("auto"),
-    tolerance=st.none() | st.floats(0, 1, exclude_min=True),
+    tolerance=st.none() | sizes(0, 1, exclude_min=True),
 )
 quick = settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 
