@@ -5,7 +5,7 @@ there reads F_st + m a_a, at the box F_st, which carries m as well. An accelerom
 F_st/k'. So F_st and a follow from what was read; the force on the box itself is F_st, less m a with the gauge there.
 
 An accelerometer away from the box sees the stinger's loss as if it were the box's: W is larger by pi w c |F_st/k'|^2,
-and the apparent mass of a load M by 1/(1 - w^2 M/k). What is told of the box is then as uncertain as the stiffness.
+and the apparent mass of a load M by 1/(1 - w^2 M/k). Values brought to the box are then as uncertain as the stiffness.
 """
 
 import math

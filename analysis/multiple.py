@@ -20,7 +20,7 @@ Mean = tuple[float, float, float]
 """A mean, its variance, and the degrees of freedom of that."""
 
 GROUPS = 64
-"""Most kinds of scatter that are told apart among the means that one is compared with."""
+"""Most groups of similar variance into which the means are sorted."""
 
 REACH, STEP = 7.0, 0.05  # of the sum over a normal deviate, standard deviations
 
@@ -61,14 +61,15 @@ def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]
 
 
 def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
-    """p of each mean, with which it is told to be below another: those of more than a level contain
-    the best with a probability of at least 1 - level (multiple comparisons with the best; Hsu, Ann.
-    Statist. 9, 1026 (1981)).
+    """Return the p value of each mean for the hypothesis that it is the best.
 
-    They scatter differently, so that each comparison has an error and degrees of freedom of its
-    own; the clearest of a mean's comparisons is judged by how clear the clearest of as many would be
-    by chance. These have the mean's own error in common: one that scatters much is compared with
-    all others at nearly the level of a single test. most: see `welch`.
+    The means with p above a level contain the best with a probability of at least 1 - level (multiple
+    comparisons with the best; Hsu, Ann. Statist. 9, 1026 (1981)).
+
+    Means scatter differently, so each comparison has its own error and degrees of freedom. The clearest
+    comparison of a mean is judged against the distribution of the clearest of as many by chance. All of
+    them share the mean's own error: a mean that scatters much is compared with all others at nearly the
+    level of a single test. most: see `welch`.
     """
     from scipy.special import ndtr, ndtri
 

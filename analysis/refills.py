@@ -22,7 +22,7 @@ __all__ = ["SKEWED", "TRIED", "WANTED", "Coverage", "coverage", "held", "refills
 Array = NDArray[np.float64]
 
 SKEWED = 0.75
-"""Size of the skew from which on the coverage is told: that of some hundred refills is good to 0.25."""
+"""Least skew for which the report states the coverage; the skew of some hundred refills is known to 0.25."""
 
 WANTED = 0.93
 TRIED = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)  # refills

@@ -52,8 +52,8 @@ class Prediction:
     """Energy per cycle that the model gives for one condition, J, and what it is made of (masses in kg).
 
     Relative standard uncertainties of W_T: u_rel of its numerics; where it was computed at levels about the set one,
-    u_levels of reading it between them, and u_settling, what a record of so many cycles after so many of settling, from
-    rest, holds more or less than the steady state.
+    u_levels of reading it between them, and u_settling, the difference between the steady state and the mean of the
+    recorded cycles, for a bed that starts at rest.
     """
 
     bed_mass: float

@@ -23,7 +23,7 @@ __all__ = [
 Report = Mapping[str, Any]
 
 FEW = 6  # conditions whose energies the verdict names
-TOLD = 1e-3  # what refills take beyond the nominal bed, relative, from which on it is told
+TOLD = 1e-3  # least relative difference between refills and nominal bed that the verdict mentions
 
 
 def tested(report: Report) -> str:
