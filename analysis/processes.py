@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from analysis.reading import energies_of
 from analysis.runs import RunEnergy
+from daq.child_processes import killed_at_the_end
 
 if TYPE_CHECKING:
     from daq.session import Record
@@ -37,9 +38,8 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
         return {}
     found = energies_of(record, names[:1], tolerate_gaps)  # loads the compiled loops once, for all processes
     context = multiprocessing.get_context("fork")
-    pipes, processes = [], []
     record.close()  # each process opens it for itself
-    try:
+    with killed_at_the_end() as (processes, pipes):
         for first in range(count):
             here, there = context.Pipe(duplex=False)
             work = (record, names[1 + first :: count], tolerate_gaps, there)
@@ -50,13 +50,6 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
         record.reopen()
         for energies in _received(pipes):
             found |= energies
-    finally:
-        for process in processes:
-            process.kill()
-        for process in processes:
-            process.join()
-        for pipe in pipes:
-            pipe.close()
     return found
 
 

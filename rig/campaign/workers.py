@@ -20,6 +20,7 @@ from itertools import islice
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from daq.child_processes import killed_at_the_end
 from daq.clock import Overrun
 from rig.campaign.executor import WorkerFailed, WorkerLost, computed
 from rig.campaign.recording import Part
@@ -53,9 +54,7 @@ class Processes:
         count = min(self._count, len(waiting))
         if count > 1:
             next(campaign.parts(waiting[0]))  # loads the compiled kernels once, for all forked workers
-        pipes: list[Connection] = []
-        processes = []
-        try:
+        with killed_at_the_end() as (processes, pipes):
             for _ in range(count):
                 here, there = context.Pipe()
                 pipes.append(here)
@@ -72,13 +71,6 @@ class Processes:
             for depth in range(1, max(beforehand, 1) + 1):
                 _give(given, left, [0] * len(waiting), depth)
             yield _received(given, left, waiting)
-        finally:
-            for process in processes:
-                process.kill()
-            for process in processes:
-                process.join()
-            for pipe in pipes:
-                pipe.close()
 
 
 def _received(given: dict[Connection, deque[int]], left: deque[int], waiting: Sequence[Run]) -> Iterator[Part]:

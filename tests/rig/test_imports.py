@@ -13,8 +13,8 @@ ROOT = Path(__file__).parents[2]
 ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
     "analysis": (
-        "analysis", "daq.caches", "daq.session", "daq.block", "daq.channel", "daq.indented", "daq.shapes",
-        "daq.strange_text", "daq.whole_files", "numpy", "numba",
+        "analysis", "daq.caches", "daq.child_processes", "daq.session", "daq.block", "daq.channel", "daq.indented",
+        "daq.shapes", "daq.strange_text", "daq.whole_files", "numpy", "numba",
         "scipy", "matplotlib",
     ),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),

@@ -1,0 +1,27 @@
+"""Child processes with a pipe each, none of which outlives the block that started them."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+
+__all__ = ["Children", "killed_at_the_end"]
+
+Children = tuple[list[BaseProcess], list[Connection]]
+"""Processes, and the near ends of their pipes."""
+
+
+@contextmanager
+def killed_at_the_end() -> Iterator[Children]:
+    """Give two empty lists to be filled; kill the processes and close the pipes after the block."""
+    processes: list[BaseProcess] = []
+    pipes: list[Connection] = []
+    try:
+        yield processes, pipes
+    finally:
+        for process in processes:
+            process.kill()
+        for process in processes:
+            process.join()
+        for pipe in pipes:
+            pipe.close()
