@@ -183,6 +183,7 @@ def _pair(a: Row, b: Row, same: bool) -> dict[str, Any]:
         "E_n": difference.value / difference.U if difference.U else None, "p": difference.p(),
         "relative": None if relative is None else relative.value,
         "U_relative": None if relative is None else relative.U,
+        "runs_A": len(a["runs"]), "runs_B": len(b["runs"]),
     }  # fmt: skip
 
 

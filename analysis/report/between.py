@@ -86,8 +86,16 @@ def _single(found: Found) -> str:
     if not rows:
         return ""
     names = f": {', '.join(row['A'] for row in sure[:8])}{' and more' if len(sure) > 8 else ''}" if sure else ""
+    alone = [row for row in sure if min(row["runs_A"], row["runs_B"]) == 1]
+    refilled = (
+        f" Of these {len(alone)} with a single run in a session: its U lacks the scatter between refills, and another "
+        "refill may be the whole difference."
+        if alone
+        else ""
+    )
     return (
-        f"Taken one by one, {len(sure)} of {len(rows)} conditions differ for sure (5 % for all together, Holm){names}."
+        f"Taken one by one, {len(sure)} of {len(rows)} conditions differ significantly (5 % for all together, "
+        f"Holm){names}.{refilled}"
     )
 
 

@@ -169,6 +169,7 @@ PAIR = Keys(
         _each("E_n relative", KNOWN),
         _each("p p_holm", SHARE),
         {"significant": YesNo(), "not_compared": WORDS},
+        _each("runs_A runs_B", Number(1, whole=True)),
     )
 )
 OVERALL = Keys(

@@ -12,7 +12,7 @@ from analysis.between import compare, kendall
 from analysis.report.between import comparison_sentences, write_comparison
 
 
-def row(name, W, *, bed="layers", fill=0.5, a=3.0, scatter=0.01, common=0.02):
+def row(name, W, *, bed="layers", fill=0.5, a=3.0, scatter=0.01, common=0.02, runs=4):
     lines = [
         {"source": "scatter between runs", "unit": "J", "u": scatter * abs(W), "c": 1.0, "nu": None},
         {"source": "force sensitivity", "unit": "1", "u": common, "c": W, "nu": None},
@@ -21,6 +21,7 @@ def row(name, W, *, bed="layers", fill=0.5, a=3.0, scatter=0.01, common=0.02):
         "id": name, "material": "stainless", "density": 7900.0, "diameter": 4e-3, "fill": fill, "bed": bed,
         "drive": "servo", "frequency": 20.0, "acceleration_set": a, "acceleration": a, "exponent": 2.5,
         "W_exp": W, "U_W_exp": 1.96 * abs(W) * math.hypot(scatter, common), "W_detect": 1e-6, "uncertainty": lines,
+        "runs": [{}] * runs,
     }  # fmt: skip
 
 
@@ -60,6 +61,17 @@ def test_common_errors_cancel_only_where_the_instruments_are_the_same(same):
         assert pair["U_relative"] == pytest.approx(1.96 * 1.05 * u, rel=1e-3)
         assert pair["significant"] == (same)  # 0.05 is 3.4 u, and 1.5 u
     assert found["same_instruments"] == same
+
+
+@pytest.mark.parametrize("runs", [1, 4])
+def test_a_single_run_may_differ_by_its_refill(runs, tmp_path):
+    """Its U lacks the scatter between refills: said beside what is significant, and nowhere else."""
+    found = compare(session(), session(1.5, "two", runs=runs), same_instruments=True)
+    assert all(pair["significant"] and pair["runs_B"] == runs for pair in found["pairs"])
+    write_comparison(found, tmp_path)
+    text = (tmp_path / "comparison.md").read_text(encoding="utf-8")
+    assert "12 of 12 conditions differ significantly" in text
+    assert ("Of these 12 with a single run" in text) == (runs == 1)
 
 
 def test_false_alarms_are_as_rare_as_stated():
