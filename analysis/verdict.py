@@ -157,7 +157,7 @@ def _chain(chain: Sequence[bool], limit: float, why: str) -> tuple[bool, str]:
         return True, f"The chain comparison is not made: {why}."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
     shared = "All tests of a session together fail a healthy rig in at most 1 of 20 sessions."
-    bound = f"within {limit / ALONE:.2f} U; {needed(len(chain))} are needed"
+    bound = f"limit {limit / ALONE:.2f} U, because all tests are judged together; {needed(len(chain))} are needed"
     return sum(chain) >= needed(len(chain)), f"{inside} ({bound}). {shared}"
 
 

@@ -137,7 +137,7 @@ def headline(report: Report) -> str:
             text += f"; of this {put_in} was put in by the rig file (losses of the box)"
         else:
             rest = f"{significant(100 * (offset - found['put_in']), 2)} %"
-            text += f"; {put_in} was put in by the rig file (losses of the box), so all else makes {rest}"
+            text += f"; losses of the box that the rig file puts in account for {put_in}, everything else for {rest}"
     return f"{text}."
 
 
@@ -161,7 +161,7 @@ def _measured(report: Report) -> str:
 
 
 def found(report: Report) -> tuple[str, ...]:
-    """What else belongs to the verdict: the slope, the mean offset and what rules it, refills, claims, flags."""
+    """What else belongs to the verdict: the slope, the mean offset and what dominates it, refills, claims, flags."""
     parts = (_on_recorded, _line, _mean_offset, _nominal, _coverage, _claims, _flags)
     return tuple(filter(None, (part(report) for part in parts)))
 
@@ -193,7 +193,7 @@ def _line(report: Report) -> str:
 
 
 def _mean_offset(report: Report) -> str:
-    """The unweighted mean, with the condition that rules it where one does."""
+    """The unweighted mean, with the condition that dominates it where one does."""
     mean, rows = report["agreement"]["mean_offset"], [row for row in report["conditions"] if row["offset"] is not None]
     if mean is None or not rows:
         return ""
@@ -208,8 +208,8 @@ def _mean_offset(report: Report) -> str:
     if abs(top["offset"]) < 2 * sum(abs(o) for o in offsets) / 3 or len(rows) < 3:
         return f"{text}, the median {_percent(median)}."
     return (
-        f"{text}, but one of them rules it: {top['id']}, where W_T is only {significant(1e3 * top['W_T'], 2)} mJ and "
-        f"the offset {_percent(top['offset'])}. Without it the mean is {_percent(without)}; the median is "
+        f"{text}. {top['id']} dominates it: W_T is only {significant(1e3 * top['W_T'], 2)} mJ there, and the offset "
+        f"{_percent(top['offset'])}. Without {top['id']} the mean is {_percent(without)}; the median is "
         f"{_percent(median)}."
     )
 
@@ -225,9 +225,9 @@ def _nominal(report: Report) -> str:
     if abs(most["refill_mean"]) < TOLD:
         return ""
     return (
-        f"W_T is of the nominal bed. By the model beds poured anew take {_beyond(mean)} in the mean over the "
-        f"conditions, most apart in {most['id']} ({_beyond(most['refill_mean'])}): this stands in U of W_T, offset and "
-        "ratio and is not taken out of their values."
+        f"W_T is that of the nominal bed. The model predicts that refilled beds take {_beyond(mean)} on average over "
+        f"the conditions (largest difference in {most['id']}: {_beyond(most['refill_mean'])}). This difference is part "
+        "of U of W_T, offset and ratio; their values are not corrected for it."
     )
 
 
@@ -245,11 +245,11 @@ def _coverage(report: Report) -> str:
         f"({100 * row['refill_coverage_plain']:.1f} %{_needs(row)})"
         for row in sorted(rows, key=lambda row: row["refill_coverage_plain"])
     ]
-    rest = f", in {len(shown) - FEW} more no less" if len(shown) > FEW else ""
+    rest = f"; no less in {len(shown) - FEW} more conditions" if len(shown) > FEW else ""
     return (
-        "Few refills of a skewed scatter agree too well, so that U is stretched. Of the intervals for 95 % of W_exp "
-        "hold the mean of all refills, drawn from the model's, as stated (and of Student's t as it is): "
-        f"{', '.join(shown[:FEW])}{rest}."
+        "The scatter between refills is skewed, and a few refills agree too well by chance, so U of W_exp was widened. "
+        "Coverage of the 95 % intervals, simulated with the model's refills (in brackets that of Student's t, and the "
+        f"refills that it needs for 93 %): {', '.join(shown[:FEW])}{rest}."
     )
 
 
@@ -258,7 +258,7 @@ def _needs(row: Report) -> str:
     needed = row["refills_needed"]
     if needed is not None and needed <= len(row["runs"]):
         return ""
-    return ", 93 % with " + ("more than 128 refills" if needed is None else f"{needed} refills")
+    return ", more than 128 refills" if needed is None else f", {needed} refills"
 
 
 def _claims(report: Report) -> str:
