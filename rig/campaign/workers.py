@@ -28,10 +28,10 @@ from rig.campaign.setup import Campaign
 from rig.errors import InputError
 from rig.plan import Run
 
-QUEUED_PARTS = 64
+QUEUED_PARTS = 256
 """Parts of runs that may wait in a worker for the writer: 8 MB of two channels."""
 
-BEFOREHAND = 20
+BEFOREHAND = 80
 """Most runs that a worker gets at the start, to have something to do while the writer predicts and makes its file."""
 
 log = logging.getLogger(__name__)
@@ -67,7 +67,7 @@ class Processes:
                 there.close()  # held by the worker alone: its death closes the pipe
             given: dict[Connection, deque[int]] = {pipe: deque() for pipe in pipes}
             left = deque(range(len(waiting)))
-            beforehand = min(BEFOREHAND, len(waiting) // (4 * count)) if count else 0
+            beforehand = min(BEFOREHAND, len(waiting) // (2 * count)) if count else 0
             for depth in range(1, max(beforehand, 1) + 1):
                 _give(given, left, [0] * len(waiting), depth)
             yield _received(given, left, waiting)
