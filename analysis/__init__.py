@@ -9,27 +9,46 @@ from typing import TYPE_CHECKING
 from daq.caches import place_caches
 
 if TYPE_CHECKING:
+    from analysis.between import compare
     from analysis.comparison import agreement
     from analysis.energy import Energy, dissipated_energy
     from analysis.estimate import Estimate
     from analysis.reading import read_session, run_energy
+    from analysis.record import AnalysisError, Record
     from analysis.report import write_report
-    from analysis.runs import AnalysisError, RunEnergy
+    from analysis.report.between import write_comparison
+    from analysis.runs import RunEnergy
+    from analysis.setting import Setting
 
 __all__ = [
-    "AnalysisError", "Energy", "Estimate", "RunEnergy", "agreement", "dissipated_energy", "read_session", "run_energy",
+    "AnalysisError",
+    "Energy",
+    "Estimate",
+    "Record",
+    "RunEnergy",
+    "Setting",
+    "agreement",
+    "compare",
+    "dissipated_energy",
+    "read_session",
+    "run_energy",
+    "write_comparison",
     "write_report",
-]  # fmt: skip
+]
 
 _HOME = {
-    "AnalysisError": "analysis.runs",
+    "AnalysisError": "analysis.record",
     "Energy": "analysis.energy",
     "Estimate": "analysis.estimate",
+    "Record": "analysis.record",
     "RunEnergy": "analysis.runs",
+    "Setting": "analysis.setting",
     "agreement": "analysis.comparison",
+    "compare": "analysis.between",
     "dissipated_energy": "analysis.energy",
     "read_session": "analysis.reading",
     "run_energy": "analysis.reading",
+    "write_comparison": "analysis.report.between",
     "write_report": "analysis.report",
 }
 

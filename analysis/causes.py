@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from analysis.conditions import Result
-from analysis.runs import ChannelFacts
+from analysis.record import ChannelFacts
 from analysis.uncertainty import angle_uncertainty, certificate_lines
 
 __all__ = ["causes"]

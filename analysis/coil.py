@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.energy import Energy
 from analysis.estimate import Estimate
-from analysis.runs import ChannelFacts
+from analysis.record import ChannelFacts
 from analysis.uncertainty import CERTIFICATE_NU, Line, combine, scatter_line, stretch_of
 
 __all__ = ["Coil", "coil_estimates", "coil_force", "coil_of"]

@@ -15,10 +15,12 @@ from analysis.mistakes import deliberate
 from analysis.nulls import null_tests
 from analysis.offset import Actual, allowed_remainder, offset_terms
 from analysis.ratio import energy_ratio, line_through, propagated, recorded_ratio
+from analysis.record import ChannelFacts
 from analysis.recorded import Recorded
 from analysis.references import references, signs
 from analysis.refills import refills_row
-from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from analysis.three_comparisons import comparisons, model_row
 from analysis.uncertainty import Line
 from analysis.verdict import verdict

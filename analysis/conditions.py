@@ -11,8 +11,10 @@ from analysis.coil import coil_estimates
 from analysis.correction import net_of_mass
 from analysis.estimate import Estimate
 from analysis.prediction import Prediction
+from analysis.record import ChannelFacts
 from analysis.recorded import Recorded, on_recorded
-from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from analysis.skewed import stretch
 from analysis.uncertainty import (
     Line,

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from analysis.runs import CONDITION, AnalysisError
+from analysis.record import AnalysisError
+from analysis.setting import CONDITION
 from daq.shapes import Each, Either, Keys, List, Number, Shape, Text, YesNo, deviations
 
 if TYPE_CHECKING:

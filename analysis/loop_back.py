@@ -15,7 +15,7 @@ from analysis.energy import harmonics
 from analysis.estimate import Estimate
 from analysis.family import Zero
 from analysis.nulls import Null
-from analysis.runs import AnalysisError, ChannelFacts, Record, RunFacts
+from analysis.record import AnalysisError, ChannelFacts, Record, RunFacts
 from analysis.uncertainty import ANGLE_RESOLUTION, RESOLUTION, combine, inputs_angle, inputs_gain, scatter_line
 from daq.block import Flag, flag_names
 

@@ -22,7 +22,7 @@ from analysis.conditions import DISSIPATED, Result
 from analysis.correction import pole_phase
 from analysis.energy import Energy
 from analysis.integration import integral
-from analysis.runs import ChannelFacts
+from analysis.record import ChannelFacts
 
 __all__ = ["deliberate", "misread"]
 

@@ -20,7 +20,9 @@ from analysis.energy import Energy
 from analysis.estimate import Estimate
 from analysis.family import FAILS, Zero
 from analysis.partly_known import coefficient
-from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.record import ChannelFacts
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from analysis.uncertainty import ANGLE_RESOLUTION, angle_uncertainty, certificate_lines, combine
 
 __all__ = ["Null", "null_tests"]

@@ -20,7 +20,8 @@ from typing import Any
 from analysis.conditions import DISSIPATED, Result
 from analysis.documents import truth_checked
 from analysis.prediction import Curve
-from analysis.runs import ChannelFacts, RunEnergy, Truth
+from analysis.record import ChannelFacts, Truth
+from analysis.runs import RunEnergy
 from analysis.uncertainty import resolution_lines
 
 __all__ = ["EXACT", "LARGEST_REMAINDER", "TERMS", "Actual", "actual_of", "allowed_remainder", "offset_terms"]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from analysis.cycles import Window, on_grid, whole_cycles
 from analysis.energy import window_energy
-from analysis.runs import Setting
+from analysis.setting import Setting
 from daq.block import Block
 from daq.channel import ChannelInfo
 

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.passes import cycle_features
-from analysis.runs import AnalysisError, ChannelFacts, Setting, Signal
+from analysis.record import AnalysisError, ChannelFacts, Signal
+from analysis.setting import Setting
 from daq.block import Flag
 
 __all__ = ["CORRECTED", "REFUSED", "SUSPECT", "Cycles", "Scrutiny", "changes", "doubts", "features", "longest_stuck"]

@@ -18,7 +18,9 @@ from analysis.loop_back import LoopBack, loop_back
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
-from analysis.runs import LOOP_BACK, AnalysisError, ChannelFacts, Record, RunEnergy, RunFacts, Setting, Truth
+from analysis.record import AnalysisError, ChannelFacts, Record, RunFacts, Truth
+from analysis.runs import RunEnergy
+from analysis.setting import LOOP_BACK, Setting
 from analysis.sweep import sweep
 from analysis.uncertainty import noise_of
 from analysis.verdict import NOT_REACHED

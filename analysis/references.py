@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 from analysis.conditions import Result
 from analysis.estimate import Estimate
 from analysis.family import FAILS, Zero, sign_tests
-from analysis.runs import ChannelFacts, RunEnergy, Setting
+from analysis.record import ChannelFacts
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from analysis.uncertainty import (
     ANGLE_RESOLUTION,
     CERTIFICATE_NU,

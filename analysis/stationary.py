@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.runs import AnalysisError
+from analysis.record import AnalysisError
 
 __all__ = ["FEWEST_CYCLES", "Steadiness", "drive_frequency", "fundamental", "steadiness"]
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.runs import AnalysisError, ChannelFacts, Record, RunFacts, Setting
+from analysis.record import AnalysisError, ChannelFacts, Record, RunFacts
+from analysis.setting import Setting
 
 __all__ = ["fundamentals", "shift", "summary", "sweep"]
 

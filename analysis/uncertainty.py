@@ -13,7 +13,7 @@ from analysis.correction import pole_phase
 from analysis.energy import Energy
 from analysis.estimate import Estimate
 from analysis.prediction import Prediction
-from analysis.runs import ChannelFacts
+from analysis.record import ChannelFacts
 
 __all__ = [
     "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",

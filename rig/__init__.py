@@ -6,13 +6,73 @@ from typing import TYPE_CHECKING
 from daq.caches import place_caches
 
 if TYPE_CHECKING:
-    from rig.campaign import run
-    from rig.model import predict
-    from rig.protocol import load_protocol
+    from rig.beds.bed import Reaction
+    from rig.beds.registry import BEDS
+    from rig.beds.stack import bed_mass, nominal
+    from rig.campaign.replaying import replay
+    from rig.campaign.running import run
+    from rig.campaign.setup import Campaign
+    from rig.catalog.entries import Rig
+    from rig.catalog.rigfile import dump_rig, load_rig
+    from rig.drive.sampling import Sampling
+    from rig.drive.waveform import Waveform
+    from rig.errors import InputError
+    from rig.grid import conditions
+    from rig.losses import viscous_energy
+    from rig.model import Prediction, predict
+    from rig.protocol import dump_protocol, load_protocol
+    from rig.scene import Condition, Protocol
+    from rig.stand import Stand
 
-__all__ = ["load_protocol", "predict", "run"]
+__all__ = [
+    "BEDS",
+    "Campaign",
+    "Condition",
+    "InputError",
+    "Prediction",
+    "Protocol",
+    "Reaction",
+    "Rig",
+    "Sampling",
+    "Stand",
+    "Waveform",
+    "bed_mass",
+    "conditions",
+    "dump_protocol",
+    "dump_rig",
+    "load_protocol",
+    "load_rig",
+    "nominal",
+    "predict",
+    "replay",
+    "run",
+    "viscous_energy",
+]
 
-_HOME = {"load_protocol": "rig.protocol", "predict": "rig.model", "run": "rig.campaign"}
+_HOME = {
+    "BEDS": "rig.beds.registry",
+    "Campaign": "rig.campaign.setup",
+    "Condition": "rig.scene",
+    "InputError": "rig.errors",
+    "Prediction": "rig.model",
+    "Protocol": "rig.scene",
+    "Reaction": "rig.beds.bed",
+    "Rig": "rig.catalog.entries",
+    "Sampling": "rig.drive.sampling",
+    "Stand": "rig.stand",
+    "Waveform": "rig.drive.waveform",
+    "bed_mass": "rig.beds.stack",
+    "conditions": "rig.grid",
+    "dump_protocol": "rig.protocol",
+    "dump_rig": "rig.catalog.rigfile",
+    "load_protocol": "rig.protocol",
+    "load_rig": "rig.catalog.rigfile",
+    "nominal": "rig.beds.stack",
+    "predict": "rig.model",
+    "replay": "rig.campaign.replaying",
+    "run": "rig.campaign.running",
+    "viscous_energy": "rig.losses",
+}
 
 place_caches()
 

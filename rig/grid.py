@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from rig.axes import plain_axes, read_axes
 from rig.errors import InputError, Mistake, in_order
+from rig.expect import plain_expect, read_expect
+from rig.faultlist import plain_faults, read_faults
 from rig.feasible import conflicts, misfits, unfit
 from rig.scene import Acquire, Condition, Drive, Protocol, Scene
+from rig.seed_keys import seed_key
+from rig.strict import Notes, Unreadable, grammar, plain, value_of
+from rig.tree import node_of
 
 if TYPE_CHECKING:
     from rig.catalog import Material
 
 MAX_RUNS = 100000
+CHECKED = ("scene", "drive", "acquire", "repeats", "seed", "mistake", "fidelity", "tolerance")
 
 Row = Mapping[str, int]
 """Path -> the row of its axis that a condition takes."""
@@ -31,6 +37,31 @@ class Point:
     scene: Scene
     drive: Drive
     acquire: Acquire
+
+
+def conditions(protocol: Protocol) -> tuple[Condition, ...]:
+    """Return every condition of the grid, resolved. Raises InputError with every value out of range, or all that does
+    not fit."""
+    verify(protocol)
+    return expand(protocol)
+
+
+def verify(protocol: Protocol) -> None:
+    """Check a protocol that was built in Python: InputError for every value that a file could not hold."""
+    notes = Notes()
+    for name in CHECKED:
+        annotation = grammar(Protocol)[name]
+        try:
+            value_of(annotation, node_of(plain(annotation, getattr(protocol, name))), name, notes)
+        except Unreadable:
+            continue
+    read_axes(node_of(plain_axes(protocol.vary)), notes)
+    with suppress(Unreadable):
+        read_expect(node_of([plain_expect(claim) for claim in protocol.expect]), notes)
+    with suppress(Unreadable):
+        read_faults(node_of(plain_faults(protocol.faults)), notes)
+    if notes.mistakes:
+        raise InputError(*notes.mistakes)
 
 
 def expand(
@@ -74,26 +105,6 @@ def expand(
     )
 
 
-ADDED = (("slug", "start", 0.0), ("slug", "velocity", 0.0))
-"""Fields of the scene younger than the first seeds, with the value that stands for what was before: it is no content,
-so that a new field reseeds no old protocol."""
-
-
-def seed_key(scene: Scene, drive: Drive) -> str:
-    """SHA-256 of the content that seeds a condition's streams, hex: losses, support, all of the drive but its level
-    and frequency, and the acquisition are left out, so that the same bed is seen through other drives and instruments.
-    """
-    level = {"mode": "servo", "frequency": drive.frequency, "acceleration": drive.acceleration}
-    content = {"scene": asdict(scene), "drive": level}
-    for name in ("losses", "support"):
-        del content["scene"][name]
-    for group, name, before in ADDED:
-        if content["scene"][group][name] == before:
-            del content["scene"][group][name]
-    text = json.dumps(_as_floats(content), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 def _points(protocol: Protocol) -> Iterator[Point]:
     for chosen in itertools.product(*(range(len(axis.rows)) for axis in protocol.vary)):
         parts: dict[str, Any] = {"scene": protocol.scene, "drive": protocol.drive, "acquire": protocol.acquire}
@@ -134,12 +145,3 @@ def _repeated(point: Point, first: Point, protocol: Protocol, place: Callable[[s
             where = place(path, point.rows)
             return Mistake(where, path, "a condition that stands in the grid already", "every condition once")
     return Mistake("", "vary", "a condition twice", "every condition once")
-
-
-def _as_floats(value: Any) -> Any:
-    """Plain data with every number a float, so that 1 and 1.0 seed alike."""
-    if isinstance(value, dict):
-        return {key: _as_floats(part) for key, part in value.items()}
-    if isinstance(value, tuple | list):
-        return [_as_floats(part) for part in value]
-    return float(value) + 0.0 if isinstance(value, int | float) and not isinstance(value, bool) else value

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from rig.annotations import OneOf
 from rig.catalog.reader import read_file, read_yaml
 from rig.errors import InputError, in_order
-from rig.scene import OneOf, Scene
+from rig.scene import Scene
 from rig.strict import Notes, Unreadable, describe, entries_of, fill, grammar, paths_of, value_of, word_of
 from rig.tree import Node
 from rig.units import GRAVITY, Quantity

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
+from rig.annotations import OneOf
 from rig.faults import Fault
 from rig.practice import NO_MISTAKE, BadPractice
 from rig.units import Quantity
@@ -20,13 +21,6 @@ LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("servo", "coupled")
 BUILT_MODES = ("servo", "coupled")
 EFFECTS = ("linearity", "resonance", "flicker")
-
-
-@dataclass(frozen=True)
-class OneOf:
-    """The words that a text field may hold."""
-
-    words: tuple[str, ...]
 
 
 Size = Annotated[float, Quantity("length", 0.0, 20.0, above=True)]
@@ -270,11 +264,3 @@ class Protocol:
     mistake: BadPractice = NO_MISTAKE
     fidelity: Fidelity = "as_written"
     tolerance: Annotated[float | None, Quantity("number", 0.0, 1.0, above=True)] = None
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Every condition of the grid, resolved. InputError lists every value out of range and what does not fit."""
-        from rig.grid import expand
-        from rig.verify import verify
-
-        verify(self)
-        return expand(self)

@@ -1,6 +1,6 @@
 """Strict reading: a tree of places and values into frozen dataclasses, every mistake noted, and back to plain data.
 
-The dataclasses' annotations are the grammar (rig.units.Quantity, rig.scene.OneOf, Literal, nested dataclasses).
+The dataclasses' annotations are the grammar (rig.units.Quantity, rig.annotations.OneOf, Literal, nested dataclasses).
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from rig.annotations import OneOf
 from rig.errors import Mistake, nearest, quote
-from rig.scene import OneOf
 from rig.tree import Node
 from rig.units import Quantity, UnitError, format_quantity, parse_quantity, suggest_unit
 

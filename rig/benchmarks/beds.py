@@ -15,6 +15,7 @@ from rig.benchmarks.sliders import Slider
 from rig.benchmarks.timing import interleaved, peak_memory, ratios, spread
 from rig.catalog import load_rig
 from rig.catalog.entries import Rig
+from rig.grid import conditions
 from rig.model import closed, paper_tier
 from rig.protocol import load_protocol
 from rig.scene import Condition
@@ -46,7 +47,7 @@ def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> Bed:
     """A bed as the protocol's defaults have it; `extra` are further settings, as after `--set`."""
     rig = load_rig("default")
     sets = [f"drive.acceleration={level}", f"scene.layers.rows={rows}", *extra]
-    condition = load_protocol(PROTOCOL, sets=sets).conditions()[0]
+    condition = conditions(load_protocol(PROTOCOL, sets=sets))[0]
     return Bed(condition, rig, stack(condition.scene, rig, nominal(condition.scene, rig)))
 
 

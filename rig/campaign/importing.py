@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.runs import AnalysisError
+from analysis.record import AnalysisError
 from analysis.stationary import fundamental, noise_rms
 from daq.block import Block, Flag
 from daq.channel import ChannelInfo
@@ -20,6 +20,7 @@ from rig.campaign.exported_records import certificate_of, channel_in, with_certi
 from rig.campaign.records import Reading, read_record
 from rig.catalog import load_rig
 from rig.errors import InputError, Mistake
+from rig.grid import conditions
 from rig.mapping import (
     ASSUMED_U,
     AccelerationColumn,
@@ -140,7 +141,7 @@ def _condition(
         return {**facts, "drive": "measured", "carried": False, "acceleration_set": level, **times}, {}
     rig = load_rig(mapping.rig)
     protocol = Protocol(name=mapping.name, scene=mapping.scene, drive=Drive(frequency=frequency, acceleration=reached))
-    condition = replace(protocol.conditions()[0], id=known.id)
+    condition = replace(conditions(protocol)[0], id=known.id)
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
     predicted = prediction_document(found)["conditions"]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.cycles import whole_cycles
-from analysis.runs import AnalysisError
+from analysis.record import AnalysisError
 from analysis.stationary import Steadiness, drive_frequency, steadiness
 from daq.formats.reading import Column, CsvStyle, kind_of, read_columns
 from daq.formats.sidecar import Sidecar

@@ -31,6 +31,7 @@ from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
 from rig.drive.exciter import Demand
 from rig.drive.waveform import Waveform, waveform
+from rig.grid import conditions as conditions_of
 from rig.instruments import Instruments, instruments
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.plan import Lengths, Run, lengths, runs
@@ -69,7 +70,7 @@ class Campaign:
     @classmethod
     def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
         """Resolve a protocol. Raises InputError for what does not fit together."""
-        conditions = protocol.conditions()
+        conditions = conditions_of(protocol)
         tools = instruments(conditions, rig, protocol.seed)
         rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
         choices: dict[str, Choice] = {}

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.online import Online
-from analysis.runs import LOOP_BACK, AnalysisError, Setting
+from analysis.record import AnalysisError
+from analysis.setting import LOOP_BACK, Setting
 from daq.block import Block, flag_names
 from daq.session import Record, RunInfo
 

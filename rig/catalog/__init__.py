@@ -2,7 +2,8 @@
 
 from rig.catalog.entries import CatalogValue, Exciter, Material, Rig
 from rig.catalog.rigfile import dump_rig, load_rig, rig_names, rig_with_losses
-from rig.catalog.shelves import Row, analyzer, exciter, listing, material, names, transducer
+from rig.catalog.shelves import analyzer, exciter, material, names, transducer
+from rig.catalog.table import Row, listing
 
 __all__ = [
     "CatalogValue",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -39,18 +38,6 @@ class Entry(NamedTuple):
 
     def statuses(self) -> dict[str, str]:
         return {value.path: value.status for value in self.values}
-
-
-class Row(NamedTuple):
-    """One number of the catalog, for a listing."""
-
-    kind: str
-    name: str
-    field: str
-    value: float | tuple[float, ...] | None
-    unit: str
-    status: str
-    source: str
 
 
 def material(name: str) -> Material:
@@ -175,25 +162,3 @@ def _wanted(kind: str, quantity: str) -> dict[str, Wanted]:
         "clips_at": Wanted(Quantity("voltage", 0.0, 1000.0, above=True), needed=False),
         **({"noise_spots": spots} if quantity == "acceleration" else {}),
     }
-
-
-def listing() -> tuple[Row, ...]:
-    """Every number of the catalog with its origin, kind by kind in the order of the files; then the rigs'."""
-    return (*_shelved(), *_rigs())
-
-
-def _rigs() -> Iterator[Row]:
-    from rig.catalog.rigfile import load_rig, rig_names
-
-    for name in rig_names():
-        for value in load_rig(name).values:
-            yield Row("rig", name, value.path, value.value, value.unit, value.status, value.source)
-
-
-def _shelved() -> tuple[Row, ...]:
-    return tuple(
-        Row(kind, name, value.path, value.value, value.unit, value.status, value.source)
-        for kind in KINDS
-        for name, entry in shelf(kind).items()
-        for value in entry.values
-    )

@@ -4,6 +4,7 @@ from rig.catalog import load_rig
 from rig.cli.output import print_json
 from rig.cli.tables import millijoules, number, table, terminal
 from rig.fidelity.choice import resolved
+from rig.grid import conditions
 from rig.model import predict
 from rig.plan import model_row
 from rig.protocol import LoadedProtocol
@@ -16,9 +17,8 @@ TITLE = (
 def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
     """`rig model`."""
     rig = load_rig(loaded.protocol.rig)
-    rows = [
-        model_row(condition, predict(condition, rig, cycles)) for condition, cycles in resolved(loaded.protocol, rig)
-    ]
+    found = resolved(loaded.protocol, conditions(loaded.protocol), rig)
+    rows = [model_row(condition, predict(condition, rig, cycles)) for condition, cycles in found]
     if as_json:
         print_json({"conditions": rows})
         return

@@ -3,7 +3,7 @@
 from collections import Counter
 from pathlib import Path
 
-from analysis.runs import Setting
+from analysis.setting import Setting
 from daq.session import Record
 from rig.campaign import replay
 from rig.cli.live import Line, live_view, timing

@@ -129,7 +129,7 @@ def session_info(session: Path, as_json: bool) -> None:
 
 def _facts(record: Record) -> dict[str, Any]:
     from analysis.documents import checked
-    from analysis.runs import Setting
+    from analysis.setting import Setting
 
     runs: dict[str, list[Any]] = {}
     for run in record.runs:

@@ -156,10 +156,9 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
     return _choice(condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning)
 
 
-def resolved(protocol: Protocol, rig: Rig) -> tuple[tuple[Condition, int], ...]:
-    """A protocol's conditions with the rows that `choose` would give them, for what needs no record, and the cycles
-    over which W_T averages rows without a period."""
-    conditions = protocol.conditions()
+def resolved(protocol: Protocol, conditions: Sequence[Condition], rig: Rig) -> tuple[tuple[Condition, int], ...]:
+    """Return a protocol's conditions with the rows that `choose` would give them, for what needs no record, and the
+    cycles over which W_T averages rows without a period."""
     if protocol.fidelity != "auto":
         return tuple((condition, AVERAGED_CYCLES) for condition in conditions)
     asked = Asked.of(protocol)

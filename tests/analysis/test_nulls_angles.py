@@ -9,7 +9,7 @@ from analytic_record import IDEAL, NOMINAL, OMEGA, Bench, condition, session
 
 from analysis import read_session
 from analysis.nulls import null_tests
-from analysis.runs import Setting
+from analysis.setting import Setting
 
 LEVELS = (2.0, 3.0, 4.0, 5.0)
 DELTA = 38.1

@@ -11,7 +11,7 @@ import pytest
 
 from analysis import read_session
 from analysis.documents import session_document_deviations
-from analysis.runs import CONDITION
+from analysis.setting import CONDITION
 from daq import open_session
 from daq.channel import ChannelInfo
 from daq.session import RunPlan

@@ -8,10 +8,12 @@ import numpy as np
 
 from analysis.conditions import Result, evaluate
 from analysis.energy import Energy
-from analysis.runs import RunEnergy, Setting
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from daq.channel import AnalyzerSpec, Channel, ChannelInfo, channel_info, ideal_transducer
 from rig.beds.stack import refill
 from rig.catalog import load_rig
+from rig.grid import conditions
 from rig.model import predict, total_of
 from rig.plan import condition_facts
 from rig.protocol import load_protocol
@@ -41,7 +43,7 @@ class Bank:
         protocol = load_protocol(PROTOCOL, [], varies)
         rig, rng = load_rig(protocol.rig), np.random.default_rng(8)
         settings, refills, W = [], [], []
-        for condition in protocol.conditions():
+        for condition in conditions(protocol):
             scene, drive, point = condition.scene, condition.drive, predict(condition, rig)
             settings.append(Setting.of(condition_facts(condition, rig, point, 10240.0)))
             refills.append(refill_ratios(condition, rig, point.W_T))

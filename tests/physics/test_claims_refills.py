@@ -7,10 +7,12 @@ from scipy import stats
 from analysis.claim_tests import TESTS, Level, Question
 from analysis.conditions import evaluate
 from analysis.energy import Energy
-from analysis.runs import RunEnergy, Setting
+from analysis.runs import RunEnergy
+from analysis.setting import Setting
 from daq.channel import AnalyzerSpec, Channel, channel_info, ideal_transducer
 from rig.beds.stack import refill
 from rig.catalog import load_rig
+from rig.grid import conditions
 from rig.model import total_of
 from rig.plan import condition_facts
 from rig.protocol import load_protocol
@@ -30,7 +32,7 @@ def poured():
     from rig.model import predict
 
     protocol = load_protocol(TEXT)
-    condition, rig, rng = protocol.conditions()[0], load_rig(protocol.rig), np.random.default_rng(8)
+    condition, rig, rng = conditions(protocol)[0], load_rig(protocol.rig), np.random.default_rng(8)
     drive, scene = condition.drive, condition.scene
     W = [total_of(scene, rig, refill(scene, rig, rng), drive.acceleration, drive.frequency).total for _ in range(150)]
     spec = AnalyzerSpec("test", (10240.0,))

@@ -11,6 +11,7 @@ from rig.beds.stack import nominal, refill, stack
 from rig.catalog.entries import Rig
 from rig.drive.sampling import Sampling
 from rig.drive.waveform import Waveform
+from rig.grid import conditions as conditions_of
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import steady_and_window
 from rig.kernels.slug import AVERAGE, SETTLE, steady
@@ -30,7 +31,7 @@ def shipped(names: tuple[str, ...], every: int = 1) -> Iterator[Condition]:
     """Different conditions of shipped protocols in which layers slide."""
     seen = set()
     for name in names:
-        for number, one in enumerate(load_protocol(name).conditions()):
+        for number, one in enumerate(conditions_of(load_protocol(name))):
             grains, drive = one.scene.grains, one.drive
             key = (grains.density, grains.diameter, grains.fill, drive.acceleration, drive.frequency)
             if one.scene.bed == "layers" and grains.fill not in (0.0, 1.0) and not number % every and key not in seen:
@@ -131,7 +132,7 @@ def bias_of_settling(one: Condition, rig: Rig, refills: int, rng: np.random.Gene
 )  # fmt: skip
 def test_settling_is_budgeted(rig: Rig, name: str, sets: tuple[str, ...]) -> None:
     """10 cycles leave 0.3 % at 2 m/s^2 (0.6 % of the nominal bed) and 0.45 % with grains of 7 mm: within k = 2."""
-    one = load_protocol(name, sets=("vary={}", *sets)).conditions()[0]
+    one = conditions_of(load_protocol(name, sets=("vary={}", *sets)))[0]
     bias = bias_of_settling(one, rig, 4, np.random.default_rng(3))
     assert 2e-3 < bias < 2.0 * predict_about(one, rig)[0].u_settling
 
@@ -151,6 +152,6 @@ def test_a_bed_that_has_settled_leaves_nothing(rig: Rig) -> None:
     """Where every row has its period by then, a record of a multiple of all periods is the steady state: grains of
     1 mm, whose rows repeat in each cycle. States recur to 1e-10, so 1e-9 in W."""
     sets = ("vary={}", "scene.grains.diameter=1 mm", "drive.acceleration=6", "acquire.settle=64")
-    point, _ = predict_about(load_protocol("size", sets=sets).conditions()[0], rig)
+    point, _ = predict_about(conditions_of(load_protocol("size", sets=sets))[0], rig)
     assert point.period == 1
     assert point.u_settling < 1e-9

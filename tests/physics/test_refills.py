@@ -5,6 +5,7 @@ import pytest
 
 from rig.beds.stack import refill
 from rig.catalog import load_rig
+from rig.grid import conditions
 from rig.model import predict, total_of
 from rig.protocol import load_protocol
 from rig.refills import COUNT, refill_ratios
@@ -19,7 +20,7 @@ drive: {{acceleration: {a} m/s^2}}
 
 def found(fill, a, bed="layers"):
     protocol = load_protocol(TEXT.format(fill=fill, a=a, bed=bed))
-    (condition,), rig = protocol.conditions(), load_rig(protocol.rig)
+    (condition,), rig = conditions(protocol), load_rig(protocol.rig)
     return condition, rig, refill_ratios(condition, rig, predict(condition, rig).W_T)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from rig.beds.stack import nominal
 from rig.catalog import load_rig
+from rig.grid import conditions
 from rig.model import total_of
 from rig.protocol import load_protocol
 from rig.spread import STATED, drawn, model_ratios
@@ -30,7 +31,7 @@ def test_draws_fill_their_ranges_evenly():
 
 def test_a_draw_is_the_model_with_those_values_in_every_condition():
     protocol = load_protocol(TEXT)
-    condition, rig = protocol.conditions()[0], load_rig(protocol.rig)
+    condition, rig = conditions(protocol)[0], load_rig(protocol.rig)
     ratios = model_ratios(condition, rig, 3)
     assert ratios is not None
     for ratio, values in zip(ratios, drawn(3), strict=True):
@@ -47,11 +48,11 @@ def test_a_draw_is_the_model_with_those_values_in_every_condition():
 def test_friction_and_play_leave_tens_of_per_cent():
     """The finding behind "7 % cannot test this model": half the width of 95 % of the draws is beyond 20 % of W_T."""
     protocol = load_protocol(TEXT)
-    ratios = model_ratios(protocol.conditions()[0], load_rig(protocol.rig), 60)
+    ratios = model_ratios(conditions(protocol)[0], load_rig(protocol.rig), 60)
     low, high = np.quantile(ratios, (0.025, 0.975))
     assert (high - low) / 2 > 0.2
 
 
 def test_nothing_predicted_has_no_spread():
     protocol = load_protocol(TEXT, ("scene.bed=empty",))
-    assert model_ratios(protocol.conditions()[0], load_rig(protocol.rig), 2) is None
+    assert model_ratios(conditions(protocol)[0], load_rig(protocol.rig), 2) is None

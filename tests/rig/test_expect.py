@@ -4,6 +4,7 @@ import pytest
 
 from rig.cases import cases, label, varied
 from rig.errors import InputError
+from rig.grid import conditions
 from rig.protocol import dump_protocol, load_protocol
 from rig.scene import Expect, Protocol
 
@@ -21,7 +22,7 @@ def claims_of(*entries: str, grid: str = GRID) -> tuple[Expect, ...]:
 
 def cases_of(entry: str, grid: str = GRID) -> list[dict[str, object]]:
     protocol = load_protocol(f"{HEAD}{grid}expect:\n  - {{{entry}}}\n")
-    return cases(protocol, protocol.conditions())[0]["cases"]
+    return cases(protocol, conditions(protocol))[0]["cases"]
 
 
 def test_quantities_are_read_as_elsewhere_and_margins_have_defaults() -> None:
@@ -81,9 +82,9 @@ def test_mistakes_are_named_with_their_line(entry: str, found: str) -> None:
 
 def test_a_claim_built_in_python_is_checked_too() -> None:
     with pytest.raises(InputError, match="without a kind"):
-        Protocol("x", expect=(Expect("a", "best"),)).conditions()
+        conditions(Protocol("x", expect=(Expect("a", "best"),)))
     with pytest.raises(InputError, match=r"scene\.fill"):
-        Protocol("x", expect=(Expect("a", "optimum", "scene.fill", (1,)),)).conditions()
+        conditions(Protocol("x", expect=(Expect("a", "optimum", "scene.fill", (1,)),)))
 
 
 def test_a_claim_is_judged_at_every_combination_of_the_others() -> None:
@@ -147,6 +148,6 @@ def test_what_else_varies_is_named_with_its_value() -> None:
     """What every condition of a report shows anyway (fill, level, bed) is left out, and so are whole groups."""
     grid = "vary: {scene.slug.gap: [1 mm, 2 mm], scene.grains.fill: [0.5, 0.6], scene.losses: [[], [noise, air]]}\n"
     protocol = load_protocol(f"schema: rig/protocol/1\nname: x\nscene: {{bed: slug}}\n{grid}")
-    found = [varied(protocol, condition) for condition in protocol.conditions()]
+    found = [varied(protocol, condition) for condition in conditions(protocol)]
     assert found[0] == {"gap": "1 mm", "losses": "none"}
     assert found[-1] == {"gap": "2 mm", "losses": "noise, air"}

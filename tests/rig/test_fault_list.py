@@ -5,6 +5,7 @@ import pytest
 from daq.faults import KINDS
 from rig.errors import InputError
 from rig.faults import Fault
+from rig.grid import conditions
 from rig.protocol import dump_protocol, load_protocol
 from rig.scene import Protocol
 from rig.strict import grammar
@@ -30,7 +31,7 @@ def test_a_list_is_read_and_written_back() -> None:
         Fault("clock_slip", "force", 0.0, size=3.0),
     )
     assert load_protocol(dump_protocol(protocol)) == protocol
-    assert Protocol("x", faults=protocol.faults[:1]).conditions()
+    assert conditions(Protocol("x", faults=protocol.faults[:1]))
 
 
 @pytest.mark.parametrize(
@@ -68,4 +69,4 @@ def test_what_is_no_list_is_told() -> None:
 
 def test_a_fault_built_in_python_is_checked_too() -> None:
     with pytest.raises(InputError, match="for bias"):
-        Protocol("x", faults=(Fault("bias", "force", 1.0),)).conditions()
+        conditions(Protocol("x", faults=(Fault("bias", "force", 1.0),)))

@@ -1,6 +1,7 @@
 """Who may import whom, read from the source: the packages stay apart, and each library has one home."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -106,6 +107,42 @@ def test_a_module_is_imported_where_it_belongs_and_nowhere_else(module: str) -> 
     assert [use for use in users if not within(use[0], packages) and use[0] not in HOMES[module]] == []
 
 
+NAMED_TWICE = frozenset(
+    ("Bed", "Choice", "Column", "Cycle", "Cycles", "Dashpot", "Fault", "Grid", "Layers", "Line", "Look", "LoopBack",
+     "Null", "Outcome", "Point", "Prediction", "Record", "Result", "Rows", "Signal", "Slug", "Steady", "Table", "Total",
+     "Truth")
+)  # fmt: skip
+"""Classes of one name in two places. None joins them; one that is renamed leaves."""
+
+
+def test_no_circle_of_modules() -> None:
+    """Imports inside functions and for the type checker count. What is left after all that imports nothing left has
+    been taken away, again and again, is in a circle or imports from one."""
+    left = {name: {other for other in imported(name) if other in MODULES and other != name} for name in MODULES}
+    while free := [name for name, others in left.items() if not others & left.keys()]:
+        for name in free:
+            del left[name]
+    assert sorted(left) == []
+
+
+def test_no_other_class_names_stand_twice() -> None:
+    places: dict[str, list[str]] = {}
+    for name, module in MODULES.items():
+        for node in ast.walk(module):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(name)
+    assert {name for name, found in places.items() if len(found) > 1} == NAMED_TWICE
+
+
+@pytest.mark.parametrize("package", ["rig", "daq", "analysis"])
+def test_public_names_are_there_and_hide_no_module(package: str) -> None:
+    """A module of a public name would take its place as soon as it is imported."""
+    public = importlib.import_module(package)
+    for name in public.__all__:
+        assert getattr(public, name) is not None
+        assert f"{package}.{name}" not in MODULES
+
+
 def in_a_fresh_process(program: str) -> str:
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
@@ -123,7 +160,16 @@ def test_the_model_needs_no_records_and_no_analysis() -> None:
 
 def test_what_computes_runs_needs_no_file_no_analysis_and_no_exciter() -> None:
     """A campaign starts its workers before it loads what only the writer needs: they begin half a second earlier."""
-    unwanted = {"h5py", "rich", "matplotlib", "scipy.special", "analysis.runs", "rig.coupled", "rig.fidelity.choice"}
+    unwanted = {
+        "h5py",
+        "rich",
+        "matplotlib",
+        "scipy.special",
+        "analysis.runs",
+        "analysis.record",
+        "rig.coupled",
+        "rig.fidelity.choice",
+    }
     program = f"import sys, rig.campaign.workers; print(sorted({unwanted!r} & set(sys.modules)))"
     assert in_a_fresh_process(program) == "[]"
 

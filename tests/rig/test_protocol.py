@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from rig.errors import InputError
+from rig.grid import conditions as conditions_of
 from rig.protocol import dump_protocol, load_protocol, protocol_template, read_protocol
 from rig.scene import Drive, Grains, Protocol, Repeats, Scene, Vary
 
@@ -35,7 +36,7 @@ faults: []
 
 
 def seeds(protocol: Protocol) -> dict[tuple[float, float], str]:
-    return {(c.scene.grains.fill, c.drive.acceleration): c.seed_key for c in protocol.conditions()}
+    return {(c.scene.grains.fill, c.drive.acceleration): c.seed_key for c in conditions_of(protocol)}
 
 
 def test_the_protocol_of_the_contract() -> None:
@@ -50,7 +51,7 @@ def test_the_protocol_of_the_contract() -> None:
             Vary(("drive.acceleration",), tuple((level,) for level in levels)),
         ),
     )
-    conditions = protocol.conditions()
+    conditions = conditions_of(protocol)
     assert [c.id for c in conditions[:2]] == ["c01", "c02"]
     assert [(c.scene.grains.fill, c.drive.acceleration) for c in conditions] == [(f, a) for f in fills for a in levels]
     assert all(c.scene.grains.density == 7900.0 for c in conditions)
@@ -58,7 +59,7 @@ def test_the_protocol_of_the_contract() -> None:
 
 def test_the_least_protocol_is_the_defaults() -> None:
     assert load_protocol(LEAST) == Protocol(name="least")
-    assert len(Protocol(name="least").conditions()) == 1
+    assert len(conditions_of(Protocol(name="least"))) == 1
 
 
 def test_template_is_the_defaults_and_one_axis() -> None:
@@ -80,7 +81,7 @@ def test_values_under_zip_vary_together() -> None:
         "  zip: {scene.grains.diameter: [2 mm, 4 mm], drive.acceleration: [3, 5]}\n"
         "  zip.more: {drive.frequency: [10, 20], scene.layers.play: [0.5, 1]}\n"
     )
-    seen = [(c.scene.bed, c.scene.grains.diameter, c.drive.acceleration) for c in protocol.conditions()[::2]]
+    seen = [(c.scene.bed, c.scene.grains.diameter, c.drive.acceleration) for c in conditions_of(protocol)[::2]]
     assert seen == [(bed, d, a) for bed in ("layers", "locked") for d, a in ((0.002, 3.0), (0.004, 5.0))]
     assert load_protocol(dump_protocol(protocol)) == protocol
 
@@ -90,15 +91,15 @@ def test_an_axis_may_hold_lists_and_whole_parts() -> None:
         f"{LEAST}vary:\n  scene.losses: [[noise], [noise, air], []]\n"
         "  scene.grains: [{material: heavy}, {material: alumina, fill: 50 %}]\n"
     )
-    assert [c.scene.losses for c in protocol.conditions()[::2]] == [("noise",), ("noise", "air"), ()]
-    assert protocol.conditions()[1].scene.grains == Grains("alumina", 0.004, 0.5, 3400.0)
+    assert [c.scene.losses for c in conditions_of(protocol)[::2]] == [("noise",), ("noise", "air"), ()]
+    assert conditions_of(protocol)[1].scene.grains == Grains("alumina", 0.004, 0.5, 3400.0)
     assert load_protocol(dump_protocol(protocol)) == protocol
 
 
 def test_density_from_the_catalog_unless_given() -> None:
     text = f"{LEAST}scene: {{grains: {{material: heavy, density: 15.7 g/cm3}}}}\n"
-    assert load_protocol(text).conditions()[0].scene.grains.density == 15700.0
-    assert load_protocol(text, sets=["scene.grains.density=null"]).conditions()[0].scene.grains.density == 18400.0
+    assert conditions_of(load_protocol(text))[0].scene.grains.density == 15700.0
+    assert conditions_of(load_protocol(text, sets=["scene.grains.density=null"]))[0].scene.grains.density == 18400.0
 
 
 def test_seeds_hang_on_content() -> None:
@@ -123,7 +124,7 @@ def test_seeds_hang_on_content() -> None:
 
 def test_seeds_do_not_depend_on_how_a_number_is_typed() -> None:
     typed = Protocol("x", drive=Drive(frequency=20, acceleration=5))
-    assert typed.conditions()[0].seed_key == Protocol("x").conditions()[0].seed_key
+    assert conditions_of(typed)[0].seed_key == conditions_of(Protocol("x"))[0].seed_key
 
 
 def test_set_replaces_and_ends_an_axis() -> None:
@@ -173,5 +174,5 @@ def test_aliases_are_expanded() -> None:
 def test_a_protocol_built_in_python_is_checked_too() -> None:
     protocol = Protocol("x", scene=Scene(grains=Grains(fill=1.2)), vary=(Vary(("drive.frequncy",), ((1.0,),)),))
     with pytest.raises(InputError) as caught:
-        protocol.conditions()
+        conditions_of(protocol)
     assert [mistake.field for mistake in caught.value.mistakes] == ["scene.grains.fill", "vary.drive.frequncy"]

@@ -1,5 +1,6 @@
 """What the paper leaves open is named as assumed, with the values that a protocol uses."""
 
+from rig.grid import conditions
 from rig.protocol import load_protocol
 from rig.settings import OPEN, assumed_settings
 
@@ -7,7 +8,7 @@ TEXT = "schema: rig/protocol/1\nname: x\nvary: {drive.frequency: [20 Hz, 25 Hz]}
 
 
 def test_every_open_setting_is_listed_with_its_values() -> None:
-    found = {row["path"]: row for row in assumed_settings(load_protocol(TEXT).conditions())}
+    found = {row["path"]: row for row in assumed_settings(conditions(load_protocol(TEXT)))}
     assert set(found) == {path for path, _, _ in OPEN}
     assert found["drive.frequency"]["value"] == "20, 25"
     assert found["drive.frequency"]["unit"] == "Hz"

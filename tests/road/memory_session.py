@@ -79,7 +79,7 @@ class MemoryTruth:
 
 
 class MemoryRecord:
-    """The record API (analysis.runs.Record) over the codes that a campaign delivers."""
+    """The record API (analysis.record.Record) over the codes that a campaign delivers."""
 
     synthetic = True
 

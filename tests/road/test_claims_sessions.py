@@ -17,6 +17,7 @@ from analysis import read_session, run_energy
 from analysis.conditions import DISSIPATED
 from analysis.runs import RunEnergy
 from rig.cases import cases
+from rig.grid import conditions
 from rig.protocol import load_protocol
 
 TEXT = """\
@@ -140,7 +141,7 @@ def verdicts(case: Case, count: int) -> dict[str, Counter[str]]:
     found = sessions(case, count)
     text = TEXT.format(vary=case.vary, rows=case.rows)
     protocol = load_protocol(text + "".join(f"  - {{claim: it is so, {claim}}}\n" for claim in case.claims))
-    entries: list[dict[str, Any]] = cases(protocol, protocol.conditions())
+    entries: list[dict[str, Any]] = cases(protocol, conditions(protocol))
     for entry, limits in zip(entries, case.edge(found), strict=False):
         entry["limits"] = list(limits)
     counts: dict[str, Counter[str]] = {claim: Counter() for claim in case.claims}

@@ -25,6 +25,7 @@ from rig.campaign.importing import import_records
 from rig.catalog import load_rig
 from rig.cli.exchange import exported_waves
 from rig.errors import InputError
+from rig.grid import conditions
 from rig.mapping import read_mapping
 from rig.protocol import load_protocol
 
@@ -266,7 +267,7 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
         row = read_session(record)["conditions"][0]
     sets = ("scene.grains.diameter=4 mm", "scene.grains.fill=0.85", f"drive.acceleration={row['acceleration']}",
             f"drive.frequency={row['frequency']}")  # fmt: skip
-    condition = load_protocol("schema: rig/protocol/1\nname: x\n", sets=sets).conditions()[0]
+    condition = conditions(load_protocol("schema: rig/protocol/1\nname: x\n", sets=sets))[0]
     # between tabulated levels a power law: NUMERICAL_ERROR of the closed tier is 1e-3
     assert row["W_T"] == pytest.approx(predict(condition, load_rig("default")).W_T, rel=5e-3)
 

@@ -16,6 +16,7 @@ from rig.drive.channels import WithExciter
 from rig.drive.exciter import demand, solvable_band
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
+from rig.grid import conditions
 from rig.protocol import load_protocol
 from rig.scene import Scene
 from rig.stand import Stand
@@ -73,7 +74,7 @@ def test_the_first_two_channels_do_not_know_of_the_others() -> None:
 def test_current_and_voltage_are_what_the_demand_says() -> None:
     """Fundamental of the recorded channels against the share of the limits that `demand` states."""
     rig, motion = load_rig("default"), Waveform(20.0, 4.0)
-    scene = load_protocol(SMALL).conditions()[4].scene
+    scene = conditions(load_protocol(SMALL))[4].scene
     stand = Stand(scene, rig, motion, nominal(scene, rig), 4096 * 20.0)
     source = WithExciter(stand, rig.exciter)
     signal = np.concatenate([source.read(n) for n in (1, 9999, 12 * 4096 - 10000)], axis=1)

@@ -10,6 +10,7 @@ from daq.session import open_session
 from rig.campaign import Campaign, run
 from rig.catalog import load_rig
 from rig.errors import InputError
+from rig.grid import conditions
 from rig.practice import BadPractice
 from rig.protocol import dump_protocol, load_protocol
 
@@ -145,7 +146,7 @@ def test_the_protocol_survives_the_file(path: Path) -> None:
     plain = load_protocol(path, ("mistake={}",))
     assert plain.mistake == BadPractice()
     assert "mistake" not in dump_protocol(plain)
-    keys = [[c.seed_key for c in p.conditions()] for p in (protocol, plain)]
+    keys = [[c.seed_key for c in conditions(p)] for p in (protocol, plain)]
     assert keys[0] == keys[1]
 
 

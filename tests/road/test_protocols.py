@@ -9,6 +9,7 @@ import pytest
 from rig.campaign import Campaign, run
 from rig.cases import cases
 from rig.catalog import load_rig
+from rig.grid import conditions
 from rig.protocol import dump_protocol, load_protocol
 
 FOLDER = Path(__file__).parents[2] / "protocols"
@@ -39,8 +40,8 @@ def test_each_is_whole(path: Path) -> None:
     assert protocol.name == path.stem
     assert protocol.question.endswith("?")
     assert load_protocol(dump_protocol(protocol)) == protocol
-    claims = cases(protocol, protocol.conditions())
-    assert claims or any(condition.drive.sweep_to for condition in protocol.conditions())
+    claims = cases(protocol, conditions(protocol))
+    assert claims or any(condition.drive.sweep_to for condition in conditions(protocol))
     for claim in claims:
         assert claim["cases"], claim["claim"]
         for case in claim["cases"]:

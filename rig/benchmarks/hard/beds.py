@@ -13,6 +13,7 @@ from rig.catalog import load_rig
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
+from rig.grid import conditions
 from rig.ledger import COLUMNS
 from rig.model import Prediction, predict
 from rig.scene import Acquire, Cavity, Condition, Drive, Grains, Layers, Protocol, Scene
@@ -38,7 +39,7 @@ def model(what: Scene, rig: Rig, acceleration: float = 5.0, frequency: float = 2
 def refused(protocol: Protocol) -> bool:
     """Whether a protocol is bad input."""
     try:
-        protocol.conditions()
+        conditions(protocol)
     except InputError:
         return True
     return False

@@ -1,0 +1,39 @@
+"""Every number of the catalog in one table, with its origin: what `rig catalog` shows."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rig.catalog.rigfile import load_rig, rig_names
+from rig.catalog.shelves import KINDS, shelf
+
+
+class Row(NamedTuple):
+    """One number of the catalog, for a listing."""
+
+    kind: str
+    name: str
+    field: str
+    value: float | tuple[float, ...] | None
+    unit: str
+    status: str
+    source: str
+
+
+def listing() -> tuple[Row, ...]:
+    """Every number of the catalog with its origin, kind by kind in the order of the files; then the rigs'."""
+    return (*_shelved(), *_rigs())
+
+
+def _rigs() -> Iterator[Row]:
+    for name in rig_names():
+        for value in load_rig(name).values:
+            yield Row("rig", name, value.path, value.value, value.unit, value.status, value.source)
+
+
+def _shelved() -> tuple[Row, ...]:
+    return tuple(
+        Row(kind, name, value.path, value.value, value.unit, value.status, value.source)
+        for kind in KINDS
+        for name, entry in shelf(kind).items()
+        for value in entry.values
+    )
