@@ -11,7 +11,8 @@ from daq.caches import place_caches
 if TYPE_CHECKING:
     from analysis.between import compare
     from analysis.comparison import agreement
-    from analysis.energy import Energy, dissipated_energy
+    from analysis.energies import Energy
+    from analysis.energy import dissipated_energy
     from analysis.estimate import Estimate
     from analysis.reading import read_session, run_energy
     from analysis.record import AnalysisError, Record
@@ -38,7 +39,7 @@ __all__ = [
 
 _HOME = {
     "AnalysisError": "analysis.record",
-    "Energy": "analysis.energy",
+    "Energy": "analysis.energies",
     "Estimate": "analysis.estimate",
     "Record": "analysis.record",
     "RunEnergy": "analysis.runs",

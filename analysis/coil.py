@@ -8,18 +8,20 @@ tells the force (half the resonance of the armature on its stinger), and everyth
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy import Energy
+from analysis.budget_line import Line
+from analysis.energies import Energy
 from analysis.estimate import Estimate
 from analysis.record import ChannelFacts
-from analysis.uncertainty import CERTIFICATE_NU, Line, combine, scatter_line, stretch_of
+from analysis.runs import Coil
+from analysis.uncertainty import CERTIFICATE_NU, combine, scatter_line, stretch_of
 
-__all__ = ["Coil", "coil_estimates", "coil_force", "coil_of"]
+__all__ = ["coil_estimates", "coil_force", "coil_of"]
 
 Complex = NDArray[np.complex128]
 
@@ -28,16 +30,6 @@ PARTS = (
     "isolation_damping_ratio", "stinger_stiffness", "stinger_damping",
 )  # fmt: skip
 STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
-
-
-@dataclass(frozen=True, eq=False)
-class Coil:
-    """W: J per cycle, work at the gauge plane as the coil's current tells it. lines: its budget beside acceleration and
-    scatter. u_noise: J, from the current's noise."""
-
-    W: float
-    lines: tuple[Line, ...]
-    u_noise: float
 
 
 def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: Mapping[str, Any]) -> Complex:

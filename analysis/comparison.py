@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from analysis.budget_line import Line
 from analysis.causes import causes
 from analysis.claims import judge
 from analysis.conditions import Result, box_distortion, evaluate
@@ -22,7 +23,6 @@ from analysis.refills import refills_row
 from analysis.runs import RunEnergy
 from analysis.setting import Setting
 from analysis.three_comparisons import comparisons, model_row
-from analysis.uncertainty import Line
 from analysis.verdict import verdict
 from analysis.waveforms import waveforms
 

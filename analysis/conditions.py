@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from analysis.budget_line import Line
 from analysis.coil import coil_estimates
 from analysis.correction import net_of_mass
 from analysis.estimate import Estimate
+from analysis.ledger_columns import DISSIPATED, STINGER
 from analysis.prediction import Prediction
 from analysis.record import ChannelFacts
 from analysis.recorded import Recorded, on_recorded
@@ -17,7 +19,6 @@ from analysis.runs import RunEnergy
 from analysis.setting import Setting
 from analysis.skewed import stretch
 from analysis.uncertainty import (
-    Line,
     angle_uncertainty,
     certificate_lines,
     combine,
@@ -29,11 +30,7 @@ from analysis.uncertainty import (
     scatter_line,
 )
 
-__all__ = ["DISSIPATED", "Result", "evaluate"]
-
-DISSIPATED = ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "W_gas", "W_mount", "dKE_bed", "dKE_box")
-"""Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
-STINGER = "W_stinger"  # ledger column: what the stinger loses
+__all__ = ["Result", "evaluate"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,6 @@ is a check of the arithmetic and no independent evidence.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,83 +15,16 @@ from numpy.typing import NDArray
 
 from analysis.correction import advanced, without_pole
 from analysis.cycles import on_grid, whole_cycles
+from analysis.energies import Energy
 from analysis.passes import CycleSums, cycle_sums
 
-__all__ = ["Energy", "Total", "dissipated_energy", "harmonics", "window_energy"]
+__all__ = ["Total", "dissipated_energy", "harmonics", "window_energy"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Poles = float | Sequence[float] | None  # s, time constants of a channel's high-pass poles
 
 PASS_BAND = 0.45  # of the sampling rate: harmonics above it are not counted (the anti-alias filter falls off there)
-
-
-@dataclass(frozen=True, eq=False)
-class Energy:
-    """Energies of a window in J per cycle, and the phasors (peak values, t = 0 at the window's start) behind them.
-
-    W: loop estimator, mean over cycles; W_cycles: (cycles,) each one; W_exc: whole-window integral of F v dt;
-    W_kin: change of the box's kinetic energy per cycle from the first to the last cycle start (0 without a box mass);
-    W_eq25 = W_exc - W_kin; W_phasor. force (N), acceleration (m/s^2): phasors of harmonics 1, 2, ...; frequency: Hz.
-    """
-
-    frequency: float
-    cycles: int
-    W: float
-    W_cycles: Array
-    W_exc: float
-    W_kin: float
-    W_phasor: float
-    force: Complex
-    acceleration: Complex
-
-    @property
-    def W_eq25(self) -> float:
-        """Eq. 25: excitation energy less the change of the box's kinetic energy, J per cycle."""
-        return self.W_exc - self.W_kin
-
-    @property
-    def level(self) -> float:
-        """Amplitude of the fundamental acceleration, m/s^2."""
-        return abs(complex(self.acceleration[0]))
-
-    @property
-    def M_eff(self) -> float:
-        """Apparent mass Re(F A*) / |A|^2 at the fundamental, kg; everything beyond the gauge plane."""
-        force, acceleration = complex(self.force[0]), complex(self.acceleration[0])
-        return (force * acceleration.conjugate()).real / abs(acceleration) ** 2 if acceleration else math.nan
-
-    @property
-    def reactive(self) -> float:
-        """(pi / w^2) M_eff a^2 in J: what a phase error of 1 rad would add to W."""
-        return math.pi * self.M_eff * (self.level / (2 * math.pi * self.frequency)) ** 2
-
-    @property
-    def eta(self) -> float:
-        """Loss factor W w^2 / (pi M_eff a^2); nan without motion or apparent mass."""
-        return self.W / self.reactive if self.reactive else math.nan
-
-    @property
-    def thd_force(self) -> float:
-        """Harmonic distortion of the force: rms of harmonics 2 and up over the fundamental's."""
-        first = abs(complex(self.force[0]))
-        return float(np.linalg.norm(self.force[1:])) / first if first else math.nan
-
-    @property
-    def force_level(self) -> float:
-        """Amplitude of the fundamental force, N."""
-        return abs(complex(self.force[0]))
-
-    @property
-    def force_phase(self) -> float:
-        """Angle by which the fundamental force leads the acceleration, rad; nan without motion."""
-        ratio = complex(self.force[0]) * complex(self.acceleration[0]).conjugate()
-        return float(np.angle(ratio)) if ratio else math.nan
-
-    @property
-    def thd_acceleration(self) -> float:
-        """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the fundamental's."""
-        return float(np.linalg.norm(self.acceleration[1:])) / self.level if self.level else math.nan
 
 
 def dissipated_energy(

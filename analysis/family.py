@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.budget_line import Line
 from analysis.conditions import Result
 from analysis.estimate import Estimate, coverage_factor
-from analysis.uncertainty import Line
 
 __all__ = [
     "ALONE", "CHAIN_SHARE", "FAILS", "Zero", "chain_tests", "common", "critical_score", "needed", "sign_tests",

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy import Energy
+from analysis.energies import Energy
 
 __all__ = ["AtBox", "at_box"]
 

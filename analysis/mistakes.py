@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.conditions import DISSIPATED, Result
+from analysis.conditions import Result
 from analysis.correction import pole_phase
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.integration import integral
+from analysis.ledger_columns import DISSIPATED
 from analysis.record import ChannelFacts
 
 __all__ = ["deliberate", "misread"]

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.estimate import Estimate
 from analysis.family import FAILS, Zero
 from analysis.partly_known import coefficient

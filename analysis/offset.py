@@ -17,18 +17,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from analysis.conditions import DISSIPATED, Result
+from analysis.conditions import Result
 from analysis.documents import truth_checked
+from analysis.ledger_columns import DISSIPATED, EXACT, TERMS
 from analysis.prediction import Curve
 from analysis.record import ChannelFacts, Truth
 from analysis.runs import RunEnergy
 from analysis.uncertainty import resolution_lines
 
-__all__ = ["EXACT", "LARGEST_REMAINDER", "TERMS", "Actual", "actual_of", "allowed_remainder", "offset_terms"]
+__all__ = ["LARGEST_REMAINDER", "Actual", "actual_of", "allowed_remainder", "offset_terms"]
 
-TERMS = ("noise", "air", "gas", "mount", "waveform", "phase", "scale", "refill", "remainder")
 LARGEST_REMAINDER = 2e-3  # of W_T, in conditions that stand out of the detection limit
-EXACT = "W_exact"  # ledger column: what the same bed takes in the exact waveform of the level reached (ablation)
 BOX = {"noise": "W_noise", "air": "W_air", "gas": "W_gas", "mount": "W_mount"}
 IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
 

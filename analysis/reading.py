@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from analysis.coil import Coil, coil_of
+from analysis.coil import coil_of
 from analysis.comparison import agreement
 from analysis.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.documents import checked
-from analysis.energy import Energy, Total, harmonics, window_energy
+from analysis.energies import Energy
+from analysis.energy import Total, harmonics, window_energy
 from analysis.gauge import AtBox, at_box
 from analysis.loop_back import LoopBack, loop_back
 from analysis.mistakes import misread
 from analysis.offset import actual_of
 from analysis.quality import Scrutiny
 from analysis.record import AnalysisError, ChannelFacts, Record, RunFacts, Truth
-from analysis.runs import RunEnergy
+from analysis.runs import Coil, RunEnergy
 from analysis.setting import LOOP_BACK, Setting
 from analysis.sweep import sweep
 from analysis.uncertainty import noise_of

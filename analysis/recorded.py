@@ -4,9 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from analysis.budget_line import Line
 from analysis.estimate import Estimate
 from analysis.runs import RunEnergy
-from analysis.uncertainty import Line, combine, difference_parts, refills_line
+from analysis.uncertainty import combine, difference_parts, refills_line
 
 __all__ = ["Recorded", "on_recorded"]
 

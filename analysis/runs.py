@@ -3,11 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from analysis.coil import Coil
-from analysis.energy import Energy
+from analysis.budget_line import Line
+from analysis.energies import Energy
 from analysis.gauge import AtBox
 
-__all__ = ["RunEnergy"]
+__all__ = ["Coil", "RunEnergy"]
+
+
+@dataclass(frozen=True, eq=False)
+class Coil:
+    """W: J per cycle, work at the gauge plane as the coil's current tells it. lines: its budget beside acceleration and
+    scatter. u_noise: J, from the current's noise."""
+
+    W: float
+    lines: tuple[Line, ...]
+    u_noise: float
 
 
 @dataclass(frozen=True, eq=False)

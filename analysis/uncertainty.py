@@ -7,16 +7,16 @@ error e of the accelerometer moves W_exp by W e and W_T by n W_T e, n = dlnW/dln
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
+from analysis.budget_line import Line
 from analysis.correction import pole_phase
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.estimate import Estimate
 from analysis.prediction import Prediction
 from analysis.record import ChannelFacts
 
 __all__ = [
-    "Line", "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
+    "angle_uncertainty", "certificate_lines", "combine", "difference_parts", "inputs_angle",
     "inputs_gain", "mass_and_loss", "noise_at", "noise_of",
     "own_parts", "prediction_lines", "refills_line", "resolution_lines", "scatter_line", "stretch_of",
 ]  # fmt: skip
@@ -26,37 +26,6 @@ SCATTER = "scatter between runs"
 CERTIFICATE_NU = 50.0  # degrees of freedom of a calibration certificate that states k = 2
 RESOLUTION = 1e-4  # relative standard uncertainty of the arithmetic (interpolation, filter ripple, window edges)
 ANGLE_RESOLUTION = 5e-6  # rad, standard uncertainty of the same between the two channels
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition.
-
-    ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad, counted in the
-    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`). stretch:
-    factor in u, of the scatter between runs (`analysis.skewed`).
-    """
-
-    source: str
-    unit: str
-    u: float
-    nu: float
-    c: float
-    c_T: float = 0.0
-    shared: bool = True
-    ratio: float = 0.0
-    turn: float = 0.0
-    stretch: float = 1.0
-
-    @property
-    def part(self) -> float:
-        """Contribution to W_exp, J, with its sign."""
-        return self.c * self.u
-
-    @property
-    def part_T(self) -> float:
-        """Contribution to W_T, J, with its sign."""
-        return self.c_T * self.u
 
 
 def combine(value: float, parts: Iterable[tuple[float, float]]) -> Estimate:

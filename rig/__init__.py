@@ -10,15 +10,14 @@ if TYPE_CHECKING:
     from rig.beds.registry import BEDS
     from rig.beds.stack import bed_mass, nominal
     from rig.campaign.replaying import replay
+    from rig.campaign.resolve import campaign_of
     from rig.campaign.running import run
     from rig.campaign.setup import Campaign
     from rig.catalog.entries import Rig
     from rig.catalog.rigfile import dump_rig, load_rig
-    from rig.drive.sampling import Sampling
-    from rig.drive.waveform import Waveform
+    from rig.drive.waveform import Sampling, Waveform, viscous_energy
     from rig.errors import InputError
     from rig.grid import conditions
-    from rig.losses import viscous_energy
     from rig.model import Prediction, predict
     from rig.protocol import dump_protocol, load_protocol
     from rig.scene import Condition, Protocol
@@ -37,6 +36,7 @@ __all__ = [
     "Stand",
     "Waveform",
     "bed_mass",
+    "campaign_of",
     "conditions",
     "dump_protocol",
     "dump_rig",
@@ -58,10 +58,11 @@ _HOME = {
     "Protocol": "rig.scene",
     "Reaction": "rig.beds.bed",
     "Rig": "rig.catalog.entries",
-    "Sampling": "rig.drive.sampling",
+    "Sampling": "rig.drive.waveform",
     "Stand": "rig.stand",
     "Waveform": "rig.drive.waveform",
     "bed_mass": "rig.beds.stack",
+    "campaign_of": "rig.campaign.resolve",
     "conditions": "rig.grid",
     "dump_protocol": "rig.protocol",
     "dump_rig": "rig.catalog.rigfile",
@@ -71,7 +72,7 @@ _HOME = {
     "predict": "rig.model",
     "replay": "rig.campaign.replaying",
     "run": "rig.campaign.running",
-    "viscous_energy": "rig.losses",
+    "viscous_energy": "rig.drive.waveform",
 }
 
 place_caches()

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from rig.beds.stack import Filling
 from rig.beds.two_way import TWO_WAY, TwoWay
+from rig.box import box_mass, losses_of
 from rig.catalog.entries import Rig
 from rig.drive.command import Command
 from rig.drive.electrodynamic import VA, VB, XA, XB, I, Plant, Propagator, V, X, propagator, steady
@@ -18,7 +19,6 @@ from rig.kernels.two_way import Pull
 from rig.ledger import COUPLED_COLUMNS, SPENT
 from rig.losses import Losses
 from rig.scene import Drive, Scene
-from rig.stand import box_mass, losses_of
 
 Array = NDArray[np.float64]
 

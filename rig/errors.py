@@ -68,3 +68,11 @@ def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
 def _line(mistake: Mistake) -> float:
     number = mistake.where.rpartition(":")[2]
     return int(number) if number.isdecimal() else math.inf
+
+
+class WorkerLost(Exception):
+    """All that computed has been ended from outside; the message names the runs that were under way."""
+
+
+class WorkerFailed(RuntimeError):
+    """A defect: the message holds the worker's traceback."""

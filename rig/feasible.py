@@ -9,8 +9,7 @@ from functools import cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from rig.catalog import analyzer, names, transducer
-from rig.catalog.shelves import IDEAL, sensors_for
+from rig.catalog.shelves import IDEAL, analyzer, names, sensors_for, transducer
 from rig.errors import nearest, quote
 from rig.practice import BadPractice
 from rig.scene import (

@@ -12,11 +12,11 @@ import numpy as np
 
 from rig.beds.stack import Filling, Stack, nominal, stack
 from rig.catalog.entries import Rig
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Waveform, viscous_energy
 from rig.kernels.row import Rows
 from rig.kernels.slip import slip_moments
 from rig.kernels.waveform import crossings, extrema
-from rig.losses import AIR_DENSITY, AIR_VISCOSITY, viscous_energy
+from rig.losses import AIR_DENSITY, AIR_VISCOSITY
 from rig.scene import Scene
 
 LEAST_SHARE = 0.01

@@ -20,7 +20,7 @@ from rig.strict import Notes, Unreadable, grammar, plain, value_of
 from rig.tree import node_of
 
 if TYPE_CHECKING:
-    from rig.catalog import Material
+    from rig.catalog.entries import Material
 
 MAX_RUNS = 100000
 CHECKED = ("scene", "drive", "acquire", "repeats", "seed", "mistake", "fidelity", "tolerance")
@@ -130,7 +130,7 @@ def _with_density(scene: Scene, known: dict[str, Material | None]) -> Scene:
         return scene
     name = scene.grains.material
     if name not in known:
-        from rig.catalog import material, names
+        from rig.catalog.shelves import material, names
 
         known[name] = material(name) if name in names("material") else None
     found = known[name]

@@ -21,8 +21,9 @@ from daq.channel import (
 )
 from daq.ranging import smallest_range
 from daq.seeds import stream
-from rig import catalog
 from rig.catalog.entries import Exciter, Rig
+from rig.catalog.shelves import analyzer as analyzer_named
+from rig.catalog.shelves import transducer
 from rig.drive.exciter import PARTS
 from rig.errors import InputError, Mistake
 from rig.scene import Condition, Ranges
@@ -65,7 +66,7 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
                     "one set of instruments in a session; run one session for each and compare")
         )  # fmt: skip
     acquire = conditions[0].acquire
-    analyzer = ideal_analyzer() if acquire.analyzer == "ideal" else catalog.analyzer(acquire.analyzer)
+    analyzer = ideal_analyzer() if acquire.analyzer == "ideal" else analyzer_named(acquire.analyzer)
     channels = tuple(
         Channel(
             name=name,
@@ -122,7 +123,7 @@ def _transducer(channel: str, model: str, effects: Sequence[str]) -> TransducerS
     """A sensor with those extras of its sheet that are asked for."""
     if model == "ideal":
         return ideal_transducer(channel)  # type: ignore[arg-type]
-    full = catalog.transducer(model)
+    full = transducer(model)
     return replace(
         full,
         linearity=full.linearity if "linearity" in effects else None,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Waveform, harmonic_sum, viscous_energy
 from rig.scene import Cavity
 
 Array = NDArray[np.float64]
@@ -56,11 +56,6 @@ class Losses:
         )
 
 
-def viscous_energy(coefficient: float, motion: Waveform) -> float:
-    """Energy that -c v takes per cycle, J: closed-loop integral of c v^2 dt, exact; pi c w X^2 for a sine."""
-    return float(0.5 * coefficient * motion.velocity_unit**2 * _harmonic_sum(motion, 2) / motion.frequency)
-
-
 def quadratic_energy(coefficient: float, motion: Waveform) -> float:
     """Energy that -k v |v| takes per cycle, J: quadrature of k |v|^3 over the motion; 8/3 k w^2 X^3 for a sine."""
     if coefficient == 0.0:
@@ -76,7 +71,7 @@ def friction_energy(force: float, motion: Waveform) -> float:
 
 def structural_energy(coefficient: float, motion: Waveform) -> float:
     """Energy that structural damping takes per cycle, J, exact: pi eta k X_h^2 in each cycle of harmonic h."""
-    return float(np.pi * coefficient * motion.length_unit**2 * _harmonic_sum(motion, 3))
+    return float(np.pi * coefficient * motion.length_unit**2 * harmonic_sum(motion, 3))
 
 
 def way(motion: Waveform) -> float:
@@ -142,11 +137,6 @@ def guide_force(friction: float, mass: float, gravity: float) -> float:
 def cord_coefficient(loss_factor: float, frequency: float, mass: float) -> float:
     """eta k of cords on which a mass (kg) swings at a frequency (Hz), N/m."""
     return float(loss_factor * mass * (2.0 * np.pi * frequency) ** 2)
-
-
-def _harmonic_sum(motion: Waveform, power: int) -> float:
-    harmonics = np.arange(1, len(motion.sine) + 1)
-    return float(np.sum((np.square(motion.sine) + np.square(motion.cosine)) / harmonics**power))
 
 
 def over_first_principles(noise: float, air: float, cavity: Cavity, frequency: float) -> dict[str, float]:

@@ -9,10 +9,10 @@ import numpy as np
 from rig.beds.layers import cannot_follow
 from rig.beds.slug import slug, too_many_events
 from rig.beds.stack import Filling, Stack, bed_mass, layer_count, nominal, stack
+from rig.box import box_mass
 from rig.catalog.entries import Rig
 from rig.kernels.slug import AVERAGE, SETTLE
 from rig.scene import Condition, Scene
-from rig.stand import box_mass
 from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
 from rig.theory.slug import SlugTotal, slug_total

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from analysis.offset import TERMS
+from analysis.ledger_columns import TERMS
 from analysis.report.axes import (
     BLUE,
     GREEN,

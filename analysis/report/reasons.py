@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from analysis.offset import TERMS
+from analysis.ledger_columns import TERMS
 from analysis.report.cells import UNKNOWN, Cell, Table, fixed, number, significant
 from analysis.report.losses import first_principles, loss_name, short_name
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from analysis import between
 from analysis.comparison import SCHEMA
-from analysis.offset import TERMS
+from analysis.ledger_columns import TERMS
 from daq.shapes import Each, Either, Keys, List, Null, Number, Shape, Text, YesNo
 from daq.shapes_schema import json_schema
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from rig.beds.bed import Array, Reaction
 from rig.beds.stack import Stack
-from rig.drive.sampling import Sampling
+from rig.drive.waveform import Sampling
 from rig.errors import InputError, Mistake
 from rig.kernels.row import MAX_EVENTS, Rows
 from rig.kernels.rows import MEMORY, Grid, follow

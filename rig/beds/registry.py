@@ -8,7 +8,7 @@ from rig.beds.rigid import Dashpot, Locked
 from rig.beds.slug import SlugBed, slug
 from rig.beds.stack import Filling, bed_mass, stack
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
+from rig.drive.waveform import Sampling
 from rig.scene import Scene
 
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rig.beds.bed import Reaction
-from rig.drive.sampling import Sampling
-from rig.losses import viscous_energy
+from rig.drive.waveform import Sampling, viscous_energy
 
 
 @dataclass

@@ -7,7 +7,7 @@ import numpy as np
 from rig.beds.bed import Array, Reaction
 from rig.beds.stack import Filling, bed_mass
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
+from rig.drive.waveform import Sampling
 from rig.errors import InputError, Mistake
 from rig.kernels.slug import State, follow, no_events
 from rig.scene import Scene

@@ -13,8 +13,8 @@ from rig.benchmarks.methods.ours import OURS
 from rig.benchmarks.methods.rk4 import RK4, solve_steady
 from rig.benchmarks.sliders import Slider
 from rig.benchmarks.timing import interleaved, peak_memory, ratios, spread
-from rig.catalog import load_rig
 from rig.catalog.entries import Rig
+from rig.catalog.rigfile import load_rig
 from rig.grid import conditions
 from rig.model import closed, paper_tier
 from rig.protocol import load_protocol
@@ -127,8 +127,7 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
 def drift(cycles: int, settle: int = 0) -> Iterator[Row]:
     """Account of bed `layers` over many cycles: work = friction + collision + change of kinetic energy."""
     from rig.beds.layers import Layers
-    from rig.drive.sampling import Sampling
-    from rig.drive.waveform import Waveform
+    from rig.drive.waveform import Sampling, Waveform
 
     for level in (2.0, 5.0):
         found = bed(level)

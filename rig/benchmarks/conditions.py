@@ -9,9 +9,9 @@ from typing import Any
 
 from daq.block import Block
 from daq.session import Record, Recorder, SessionPlan, open_session
+from rig.benchmarks.fits import fitted
 from rig.benchmarks.process import run_process
-from rig.benchmarks.scaling import fitted
-from rig.campaign import run
+from rig.campaign.running import run
 from rig.protocol import load_protocol
 
 Row = dict[str, Any]

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from daq.whole_files import write_folder
 from rig.beds.stack import Filling, refill
-from rig.catalog import load_rig
 from rig.catalog.entries import Rig
+from rig.catalog.rigfile import load_rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import STATES, I, V, X

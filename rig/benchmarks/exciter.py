@@ -8,7 +8,7 @@ import numpy as np
 
 from rig.beds.stack import refill
 from rig.benchmarks.timing import spread
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.dwell import phasors

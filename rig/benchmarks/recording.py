@@ -16,7 +16,7 @@ from daq.block import Block
 from daq.session import Recorder, RunPlan, SessionPlan
 from daq.session_layout import channel_attributes, data_attributes, run_attributes, signal_attributes
 from daq.session_plan import CHUNK, block_dtype, status_dtype
-from rig.benchmarks.records import fill_campaign
+from rig.benchmarks.fill_protocol import fill_campaign
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread
 from rig.campaign.session import session_plan
 

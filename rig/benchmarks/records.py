@@ -18,20 +18,18 @@ from daq.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, 
 from daq.fir import DELAY, STAGE1, STAGE2
 from daq.frontend import FrontEnd
 from daq.session import open_session
-from rig import shipped
+from rig.benchmarks.fill_protocol import FILL, fill_campaign
+from rig.benchmarks.fits import workers
 from rig.benchmarks.machine import ROOT, cores
 from rig.benchmarks.process import IMPORTS, imported_by, run_process, timed_process, weighed_imports
-from rig.benchmarks.scaling import workers
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread
-from rig.campaign import Campaign, replay, run
-from rig.campaign.replaying import analysed
-from rig.catalog import load_rig
-from rig.protocol import read_protocol
+from rig.campaign.replaying import analysed, replay
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
 
 Row = dict[str, Any]
 Array = np.typing.NDArray[np.float64]
 
-FILL = shipped.folder() / "fill_rate.yaml"
 FIXED = ("acquire.settle=10 cycles", "acquire.record=40 cycles")
 """The fill protocol of the comparison: 160 runs of 50 cycles, whatever the shipped protocol settles."""
 
@@ -41,12 +39,6 @@ WHOLE = "whole process: start, run, report, figures"
 
 REPLAY, PLAIN = "replay: blocks and energies (ours)", "plain h5py and trapezoids"
 RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
-
-
-def fill_campaign(*sets: str) -> Campaign:
-    """The shipped fill protocol with values replaced. Raises InputError where the protocols are not installed."""
-    loaded = read_protocol(str(FILL), sets, (), None, None)
-    return Campaign.of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
 
 
 def recording_seconds(campaign: Campaign, workers: int) -> float:

@@ -29,6 +29,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
         compiling,
         conditions,
         exciter,
+        fill_protocol,
         precision,
         recording,
         records,
@@ -64,7 +65,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
     ]
     found.append(Job("scaling: conditions", 20.0 if quick else 120.0, partial(conditions.conditions, few - 1, quick)))
     if not quick:
-        found.append(Job("compiling", 90.0, partial(compiling.compiling, records.FILL, records.SETS)))
+        found.append(Job("compiling", 90.0, partial(compiling.compiling, fill_protocol.FILL, records.SETS)))
         found.append(Job("memory", 40.0, records.memory))
     return tuple(found)
 

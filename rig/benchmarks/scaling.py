@@ -1,26 +1,21 @@
 """How cost grows with the size of a problem: times at some sizes, and the exponent that fits them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from rig.benchmarks.beds import PROTOCOL, bed
-from rig.benchmarks.curve import exponent
-from rig.benchmarks.timing import interleaved, ratios, spread
-from rig.campaign import Campaign
-from rig.catalog import load_rig
+from rig.benchmarks.fits import fitted
+from rig.benchmarks.timing import interleaved
+from rig.campaign.resolve import campaign_of
+from rig.catalog.rigfile import load_rig
 from rig.model import predict
 from rig.protocol import load_protocol
 from rig.theory.total import closed_tier
 
 Row = dict[str, Any]
-
-LINEAR = 1.0
-"""Largest exponent that is still at most linear; the error of the fit comes on top."""
-
-CLAIMED = ("layers", "rows", "cycles", "samples", "conditions")
 
 
 def layers(count: float) -> None:
@@ -61,7 +56,7 @@ def grains(count: float) -> None:
 def _records(setting: str) -> None:
     sets = ["acquire.settle=2 cycles", "drive.acceleration=2", "repeats=1", setting]
     loaded = load_protocol(PROTOCOL, sets=sets)
-    campaign = Campaign.of(loaded, load_rig("default"), "")
+    campaign = campaign_of(loaded, load_rig("default"), "")
     for _ in campaign.parts(campaign.runs[0]):
         pass
 
@@ -86,34 +81,3 @@ def scaling(axis: str, rounds: int, quick: bool) -> list[Row]:
         call(size)
     seconds = interleaved({repr(size): partial(call, size) for size in sizes}, rounds)
     return fitted(axis, what, {size: seconds[repr(size)] for size in sizes})
-
-
-def workers(seconds: Mapping[float, list[float]]) -> list[Row]:
-    """The axis `workers` from the wall seconds of the same job with so many processes, round by round: its exponent is
-    -1 where every one counts in full, and the title tells how many times as fast the most of them are."""
-    if len(seconds) < 2:
-        return []
-    most = max(seconds)
-    gain = ratios(seconds[min(seconds)], seconds[most])
-    what = (
-        f"fill protocol recorded: {most:g} processes are {gain['median']:.2f} times as fast as {min(seconds):g} "
-        f"({gain['low']:.2f} to {gain['high']:.2f})"
-    )
-    rows = fitted("workers", what, seconds)
-    return [*rows[:-1], {**rows[-1], "speed_up": gain}]
-
-
-def fitted(axis: str, what: str, seconds: Mapping[float, list[float]]) -> list[Row]:
-    """Rows of an axis from its times, by size and round."""
-    sizes = tuple(seconds)
-    found: list[Row] = []
-    for size, each in seconds.items():
-        ms = spread([1e3 * value for value in each])
-        found.append({"kind": "scaling", "axis": axis, "what": what, "size": size, "ms": ms, "failure": None})
-    slope, error = exponent(sizes, [row["ms"]["median"] for row in found])
-    fits = [exponent(sizes, each)[0] for each in zip(*seconds.values(), strict=True)]
-    held = slope - 2.0 * error <= LINEAR if axis in CLAIMED else None
-    found.append({"kind": "exponent", "axis": axis, "what": what, "exponent": slope, "error": error,
-                  "rounds": spread(fits), "at_most_linear": held, "sizes": [sizes[0], sizes[-1]],
-                  "failure": None})  # fmt: skip
-    return found

@@ -12,8 +12,7 @@ from rig.benchmarks.methods import METHODS, Failed
 from rig.benchmarks.reference import energies
 from rig.benchmarks.sliders import Slider
 from rig.benchmarks.timing import interleaved, ratios, spread
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Sampling, Waveform
 
 Row = dict[str, Any]
 

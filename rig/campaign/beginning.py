@@ -11,7 +11,7 @@ from daq.block import Block
 from daq.faults import FULL
 from daq.trigger import NoTrigger, Triggered
 from rig.errors import InputError, Mistake
-from rig.plan import Lengths, Run
+from rig.schedule import Lengths, Run
 
 NAMES = ("trigger_sample",)
 """Scalar of a run: samples from a start of the drive's cycle to the record's first sample."""

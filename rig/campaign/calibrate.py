@@ -13,11 +13,13 @@ from analysis.uncertainty import angle_uncertainty
 from daq.frontend import FILTER_DELAY
 from rig.campaign.ablation import account_of, level, taken_by_bed
 from rig.campaign.setup import Campaign
-from rig.catalog import rig_with_losses
 from rig.catalog.entries import Rig
+from rig.catalog.rigfile import rig_with_losses
+from rig.drive.waveform import viscous_energy
 from rig.errors import InputError, Mistake
-from rig.losses import drag_of_box, quadratic_energy, sound_of_box, viscous_energy
-from rig.plan import Run, predictions
+from rig.losses import drag_of_box, quadratic_energy, sound_of_box
+from rig.plan import predictions
+from rig.schedule import Run
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from analysis.claims import judge
 from analysis.conditions import Result, evaluate
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.runs import RunEnergy
 from analysis.setting import Setting
 from analysis.uncertainty import noise_of

@@ -9,8 +9,8 @@ from daq.frontend import FILTER_DELAY
 from daq.seeds import stream
 from rig.faults import Fault as Asked
 from rig.instruments import Instruments
-from rig.plan import Lengths, Run
 from rig.scene import Protocol
+from rig.schedule import Lengths, Run
 
 
 def with_faults(

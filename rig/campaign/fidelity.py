@@ -11,14 +11,14 @@ from daq.fir import DELAY
 from daq.frontend import FILTER_DELAY
 from rig.beds.registry import BEDS
 from rig.beds.stack import nominal
+from rig.box import box_mass, losses_of
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform
-from rig.fidelity.choice import Asked, Choice, Noise, choose
+from rig.drive.waveform import Sampling, Waveform
+from rig.fidelity.choice import Choice
+from rig.fidelity.choose import Asked, Noise, choose
 from rig.fidelity.rows import SHARE
 from rig.instruments import Instruments
 from rig.scene import Condition, Protocol
-from rig.stand import box_mass, losses_of
 
 COSTS = ("auto", "written", "resolved")
 

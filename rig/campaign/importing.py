@@ -18,7 +18,7 @@ from daq.session import Recorder, RunPlan, SessionPlan
 from daq.strange_text import visible
 from rig.campaign.exported_records import certificate_of, channel_in, with_certificate
 from rig.campaign.records import Reading, read_record
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError, Mistake
 from rig.grid import conditions
 from rig.mapping import (

@@ -14,7 +14,7 @@ from rig.campaign.setup import Campaign
 from rig.drive.dwell import phasors
 from rig.drive.exciter import Demand
 from rig.drive.waveform import Waveform
-from rig.fidelity.rows import side_by_side
+from rig.fidelity.scene_rows import side_by_side
 from rig.ledger import COLUMNS, IN_BED
 from rig.losses import LOST
 from rig.scene import Condition

@@ -10,8 +10,8 @@ from daq.channel import ChannelInfo
 from rig.beds.stack import nominal, stack
 from rig.catalog.entries import Rig
 from rig.kernels.sampled import sampled_energy
-from rig.plan import Lengths
 from rig.scene import Condition
+from rig.schedule import Lengths
 
 SETTLE = 10
 """Cycles that the rows go through before their energies count."""

@@ -4,44 +4,19 @@ File and analysis are loaded where they are used: a process that computes parts 
 workers before it loads them.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-import analysis
-from daq.block import Block, Flag
 from daq.clock import NEVER_LATE, Punctuality
+from rig.campaign.part import Part
 
 if TYPE_CHECKING:
-    from analysis import RunEnergy
+    from analysis.runs import RunEnergy
     from daq.session import Record, Recorder
     from rig.campaign.feeding import Fed
     from rig.campaign.watching import Look
-
-
-@dataclass(frozen=True)
-class Part:
-    """A block of a run, with the ledger rows that belong to it; the last of a run brings its scalars and flags, and how
-    late its blocks came."""
-
-    run: str
-    block: Block
-    ledger: NDArray[np.float64]
-    scalars: Mapping[str, float] | None = None
-    flags: int = 0
-    punctuality: Punctuality = NEVER_LATE
-
-    def ended(self, punctuality: Punctuality) -> "Part":
-        """With how late the run's blocks came, where it is the last of the run."""
-        return self if self.scalars is None else replace(self, punctuality=punctuality)
-
-    def late(self) -> "Part":
-        """The part as it is recorded where it came too late: flagged, and the run not complete."""
-        return replace(self, block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)), scalars=None)
 
 
 @dataclass(frozen=True)
@@ -79,8 +54,11 @@ class Analysis:
 
     def read(self, name: str, source: "Record | Fed") -> None:
         """Find a run's energies from what holds its samples, or has them come in."""
-        with suppress(analysis.AnalysisError):  # read_session lists it with the reason
-            self.energies[name] = analysis.run_energy(source, self._record.run(name))
+        from analysis.reading import run_energy
+        from analysis.record import AnalysisError
+
+        with suppress(AnalysisError):  # read_session lists it with the reason
+            self.energies[name] = run_energy(source, self._record.run(name))
 
     def tell(self, part: Part) -> None:
         """Tell of a run that has been read: its last part."""

@@ -13,7 +13,8 @@ from daq.replay import Replayed
 from daq.session import Record, Recorder, RunInfo, Truth, open_session
 from daq.session_copy import plan_of
 from rig.campaign.feeding import Fed
-from rig.campaign.recording import Analysis, Part, Watch, record_parts
+from rig.campaign.part import Part
+from rig.campaign.recording import Analysis, Watch, record_parts
 from rig.campaign.watching import Look, Watcher
 from rig.provenance import replay_provenance
 

@@ -10,13 +10,13 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import analysis
 from daq.whole_files import mark_unfinished
 from rig.campaign.executor import Executor
 from rig.campaign.recording import Watch, record_parts
+from rig.campaign.resolve import campaign_of
 from rig.campaign.setup import Campaign
 from rig.campaign.workers import Processes
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError, Mistake
 from rig.protocol import dump_protocol
 from rig.scene import Protocol
@@ -47,7 +47,7 @@ def run(
     `workers` processes of this machine; it is at work while the predictions are made and the session file is built.
     """
     if isinstance(campaign, Protocol):
-        campaign = Campaign.of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
+        campaign = campaign_of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
     out = Path(out)
     path = out / "session.h5"
     resume = resume and path.exists()
@@ -55,6 +55,8 @@ def run(
     waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
     executor = executor or Processes(workers if speed is None else 1)
     with executor.started(campaign, waiting, speed) as parts:
+        from analysis.reading import read_session
+        from analysis.report import write_report
         from daq.session import Recorder  # loaded while the workers are at it, as whatever only the writer needs
         from rig.campaign.session import session_plan
 
@@ -71,8 +73,8 @@ def run(
             mark_unfinished(out)
         with recorder:
             energies = record_parts(recorder, parts, progress, look)
-            report = analysis.read_session(recorder.record(), energies)
-    analysis.write_report(report, out)
+            report = read_session(recorder.record(), energies)
+    write_report(report, out)
     return report
 
 

@@ -12,14 +12,15 @@ from rig.campaign.practice import told
 from rig.campaign.recorded import NAMES
 from rig.campaign.setup import Campaign
 from rig.cases import cases, varied
-from rig.catalog import dump_rig
 from rig.catalog.entries import Exciter
+from rig.catalog.rigfile import dump_rig
 from rig.drive.exciter import Demand, solvable_band
 from rig.model import Prediction
-from rig.plan import Run, condition_facts, has_level, prediction_document, predictions
+from rig.plan import condition_facts, has_level, prediction_document, predictions
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
 from rig.refills import refill_ratios
+from rig.schedule import Run
 from rig.settings import assumed_settings
 
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())

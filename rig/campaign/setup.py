@@ -23,19 +23,17 @@ from rig.campaign.ablation import exact_energy
 from rig.campaign.beginning import Beginning
 from rig.campaign.faults import with_faults
 from rig.campaign.loop_back import LoopBack, inputs_alone
+from rig.campaign.part import Part
 from rig.campaign.peaks import beyond, steady, use_of, with_peaks_of
-from rig.campaign.practice import seen, spoiled
-from rig.campaign.ranging import auto_ranged
-from rig.campaign.recording import Part
+from rig.campaign.practice import seen
 from rig.catalog.entries import Rig
 from rig.drive.channels import WithExciter
 from rig.drive.exciter import Demand
 from rig.drive.waveform import Waveform, waveform
-from rig.grid import conditions as conditions_of
-from rig.instruments import Instruments, instruments
+from rig.instruments import Instruments
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
-from rig.plan import Lengths, Run, lengths, runs
 from rig.scene import LOOP_BACK, Condition, Protocol, Scene
+from rig.schedule import Lengths, Run
 from rig.stand import Stand
 
 if TYPE_CHECKING:
@@ -67,23 +65,6 @@ class Campaign:
     ablate: bool = False
     choices: "Mapping[str, Choice]" = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, protocol: Protocol, rig: Rig, text: str = "") -> "Campaign":
-        """Resolve a protocol. Raises InputError for what does not fit together."""
-        conditions = conditions_of(protocol)
-        tools = instruments(conditions, rig, protocol.seed)
-        rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
-        choices: dict[str, Choice] = {}
-        if protocol.fidelity == "auto":
-            from rig.campaign.fidelity import chosen
-
-            choices = chosen(protocol, conditions, rig, auto_ranged(tools, conditions, rig, rates))
-            conditions = tuple(choices[c.id].applied(c) for c in conditions)
-        sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
-        tools = auto_ranged(tools, conditions, rig, rates)
-        spoilt = spoiled(tools, protocol.mistake)
-        return cls(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoilt, choices=choices)
-
     @property
     def averaged(self) -> dict[str, int]:
         """Cycles over which W_T averages rows without a period, where that was chosen, by condition."""
@@ -101,7 +82,7 @@ class Campaign:
         columns = COUPLED_COLUMNS if self.coupled else COLUMNS
         if not self.ablate:
             return columns
-        from analysis.offset import EXACT
+        from analysis.ledger_columns import EXACT
 
         return (*columns, EXACT)
 
@@ -149,7 +130,7 @@ class Campaign:
         use = use_of(self.rig, stand)
         if run.condition.id not in self.choices or not beyond(use):
             return use
-        from rig.fidelity.rows import side_by_side
+        from rig.fidelity.scene_rows import side_by_side
 
         scene = side_by_side(run.condition.scene)
         full = Stand(scene, self.rig, stand.motion, self.filling(run, scene), stand.rate)

@@ -22,11 +22,10 @@ from typing import Any
 
 from daq.child_processes import killed_at_the_end
 from daq.clock import Overrun
-from rig.campaign.executor import WorkerFailed, WorkerLost, computed
-from rig.campaign.recording import Part
+from rig.campaign.part import Part, paced
 from rig.campaign.setup import Campaign
-from rig.errors import InputError
-from rig.plan import Run
+from rig.errors import InputError, WorkerFailed, WorkerLost
+from rig.schedule import Run
 
 QUEUED_PARTS = 256
 """Parts of runs that may wait in a worker for the writer: 8 MB of two channels."""
@@ -147,7 +146,9 @@ def _work(
     while True:
         number, known = asked.get()
         try:
-            for part in islice(computed(campaign, waiting[number], speed), known, None):
+            run = waiting[number]
+            parts = paced(campaign.parts(run), campaign.lengths[run.condition.id].rate, speed)
+            for part in islice(parts, known, None):
                 ready.put(part)
         except (InputError, MemoryError, Overrun) as error:
             ready.put(error)

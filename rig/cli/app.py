@@ -10,7 +10,7 @@ import typer
 from rig.cli.errors import Commands, with_whole_output
 
 if TYPE_CHECKING:
-    from rig.campaign import Campaign
+    from rig.campaign.setup import Campaign
     from rig.protocol import LoadedProtocol
 
 app = typer.Typer(
@@ -343,11 +343,11 @@ def _load(
 def _campaign(
     source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
 ) -> "Campaign":
-    from rig.campaign import Campaign
-    from rig.catalog import load_rig
+    from rig.campaign.resolve import campaign_of
+    from rig.catalog.rigfile import load_rig
 
     loaded = _load(source, sets, varies, seed, rig)
-    return Campaign.of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
+    return campaign_of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
 
 
 def _speed(text: str) -> float | None:

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from rig.campaign import Campaign
 from rig.campaign.calibrate import calibrated
-from rig.catalog import dump_rig
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import dump_rig
 from rig.cli.files import write_new
 from rig.cli.output import cores, print_json
 from rig.cli.progress import progress

@@ -1,6 +1,6 @@
 """`rig catalog`: every catalog value with its status and source."""
 
-from rig.catalog import listing
+from rig.catalog.table import listing
 from rig.cli.output import print_json
 from rig.cli.tables import number, table, terminal
 from rig.errors import InputError, Mistake, nearest

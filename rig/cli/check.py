@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict, replace
 
-from rig.campaign import Campaign
 from rig.campaign.decisions import MOST, Decision
 from rig.campaign.preflight import Outlook, decided, disk, preflight
+from rig.campaign.setup import Campaign
 from rig.cli.output import cores, print_json, say
 from rig.cli.tables import millijoules, number, table, terminal
 

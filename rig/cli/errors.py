@@ -64,7 +64,7 @@ def _known(error: Exception) -> int | None:
     from daq.clock import Overrun
     from daq.formats.wave import FormatError
     from daq.session import SessionError, WriteError
-    from rig.campaign.executor import WorkerLost
+    from rig.errors import WorkerLost
 
     if isinstance(error, Overrun | WorkerLost | WriteError):
         return INTERRUPTED

@@ -17,8 +17,9 @@ from daq.strange_text import visible
 from rig.cli.tables import number, scaled
 
 if TYPE_CHECKING:
-    from rig.campaign import Campaign, Look
-    from rig.campaign import Progress as Step
+    from rig.campaign.recording import Progress as Step
+    from rig.campaign.setup import Campaign
+    from rig.campaign.watching import Look
 
 LINES = 12
 """Conditions shown at a time: those that changed last."""

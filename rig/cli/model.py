@@ -1,9 +1,9 @@
 """`rig model`: both tiers of W_T without a stand, hence without instruments, records and analysis."""
 
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.cli.output import print_json
 from rig.cli.tables import millijoules, number, table, terminal
-from rig.fidelity.choice import resolved
+from rig.fidelity.choose import resolved
 from rig.grid import conditions
 from rig.model import predict
 from rig.plan import model_row

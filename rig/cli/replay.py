@@ -5,7 +5,7 @@ from pathlib import Path
 
 from analysis.setting import Setting
 from daq.session import Record
-from rig.campaign import replay
+from rig.campaign.replaying import replay
 from rig.cli.live import Line, live_view, timing
 from rig.cli.output import PASSES, print_json, print_result
 from rig.cli.run import check_folder

@@ -3,8 +3,8 @@
 import os
 from pathlib import Path
 
-from rig.campaign import Campaign
-from rig.campaign import run as run_campaign
+from rig.campaign.running import run as run_campaign
+from rig.campaign.setup import Campaign
 from rig.cli.live import lines_of, live_view, timing
 from rig.cli.output import PASSES, cores, print_json, print_result
 from rig.cli.tables import terminal

@@ -13,16 +13,10 @@ from rig.drive.waveform import Waveform
 from rig.kernels.row import MAX_EVENTS
 from rig.kernels.rows import HISTORY
 from rig.kernels.transient import transient
-from rig.ledger import COLUMNS
-from rig.losses import LOST
 from rig.scene import Drive, Scene
-from rig.stand import CHUNK_CYCLES, Stand
 from rig.theory.total import sliding_rows
 
 Array = NDArray[np.float64]
-
-EDGES = 64
-"""Sampling edges per cycle of a stand that is asked for energies only: they are found at the events."""
 
 
 @dataclass(frozen=True)
@@ -73,18 +67,6 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
         averaging=_averaging(found.loose[HISTORY:]) / taken if taken > 0.0 else 0.0,
         simulated=found.simulated,
     )
-
-
-def stand_pilot(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int) -> Pilot:
-    """Any bed, on a stand with few sampling edges: the steady energy is the mean of the later half."""
-    stand = Stand(scene, rig, motion, filling, EDGES * motion.frequency)
-    for _ in range(-(-cycles // CHUNK_CYCLES)):
-        stand.advance()
-    ledger = stand.drain_ledger()[:cycles]
-    lost = ledger[:, [COLUMNS.index(name) for name in LOST]].sum(axis=1)
-    work = ledger[:, COLUMNS.index("W_gauge")] - lost
-    steady = float(work[cycles // 2 :].mean())
-    return Pilot(np.array([[steady]]), work, 0, 0, 1.0, 0.0, cycles)
 
 
 def _averaging(loose: Array) -> float:

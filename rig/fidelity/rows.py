@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from rig.beds.stack import nominal
 from rig.catalog.entries import Rig
 from rig.fidelity.pilot import Pilot, rows_pilot
+from rig.fidelity.scene_rows import resolved_rows, with_rows
 from rig.kernels.rows import HISTORY
 from rig.scene import Drive, Scene
-from rig.theory.chain import grains_in_row
 
 Array = NDArray[np.float64]
 
@@ -66,22 +66,6 @@ class RowsChoice:
     error: float
     pilot: Pilot
     planning: int
-
-
-def resolved_rows(scene: Scene) -> int:
-    """Rows of grains side by side across the drive axis, floor(L2/d), at least one."""
-    return max(grains_in_row(scene.cavity.width, scene.grains.diameter), 1)
-
-
-def with_rows(scene: Scene, rows: int) -> Scene:
-    """The scene with so many rows per layer."""
-    return replace(scene, layers=replace(scene.layers, rows=rows))
-
-
-def side_by_side(scene: Scene) -> Scene:
-    """The scene with as many rows per layer as lie side by side; one whose bed has no rows, or as many, as it is."""
-    rows = resolved_rows(scene)
-    return with_rows(scene, rows) if scene.bed == "layers" and scene.layers.rows < rows else scene
 
 
 def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: int) -> RowsChoice:

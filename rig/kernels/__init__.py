@@ -11,8 +11,8 @@ from pathlib import Path
 
 def drop_stale(package: Path, *used: Path) -> None:
     """Delete numba's indexes of a package's modules that are older than one of its or of the `used` packages'."""
-    youngest = max(module.stat().st_mtime_ns for folder in (package, *used) for module in folder.glob("*.py"))
-    for index in (package / "__pycache__").glob("*.nbi"):
+    youngest = max(module.stat().st_mtime_ns for folder in (package, *used) for module in folder.rglob("*.py"))
+    for index in package.rglob("__pycache__/*.nbi"):
         with suppress(OSError):  # another process did it, or may and this one may not
             if index.stat().st_mtime_ns < youngest:
                 index.unlink()

@@ -7,7 +7,7 @@ import pytest
 from analytic_record import Facts
 
 from analysis.coil import PARTS, coil_estimates, coil_force, coil_of
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.uncertainty import certificate_lines
 
 EXCITER: dict[str, Any] = {

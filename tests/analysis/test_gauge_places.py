@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.gauge import at_box
 from rig.scene import GaugeSide
 

@@ -21,7 +21,8 @@ from analytic_record import (
 )
 
 from analysis import read_session
-from analysis.offset import EXACT, LARGEST_REMAINDER, TERMS
+from analysis.ledger_columns import EXACT, TERMS
+from analysis.offset import LARGEST_REMAINDER
 
 BED, BOX, MASS = 300.0, 20.0, 38.1
 LEVELS = (2.0, 3.0, 4.0)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from page_report import demo_report
 
-from analysis.offset import TERMS
+from analysis.ledger_columns import TERMS
 from analysis.report.csv import csv_text
 from analysis.report.html import html_text
 from analysis.report.markdown import markdown_text

@@ -12,7 +12,7 @@ import pytest
 from analysis import RunEnergy, processes, read_session
 from analysis.reading import energies_of
 from daq.session import Record, open_session
-from rig.campaign import run
+from rig.campaign.running import run
 from rig.protocol import load_protocol
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are forked")

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from rig.benchmarks.claims import CLAIMS, checked, judged
 from rig.benchmarks.conditions import conditions
 from rig.benchmarks.curve import cost_at, exponent
+from rig.benchmarks.fits import workers
 from rig.benchmarks.machine import ROOT
 from rig.benchmarks.methods import METHODS, Failed, Method, Work
 from rig.benchmarks.methods.ours import OURS
@@ -19,7 +20,6 @@ from rig.benchmarks.page import FIGURES, JSONL, PAGE, as_line, page, read_rows
 from rig.benchmarks.precision import precision
 from rig.benchmarks.process import weighed_imports
 from rig.benchmarks.runner import Job, jobs, measured, rounded
-from rig.benchmarks.scaling import workers
 from rig.benchmarks.sliders import Slider, weightless
 from rig.benchmarks.small_beds import AVERAGE, SETTLE, by_rows, exact, followed, sliding, small_bed
 from rig.benchmarks.tables import break_even, number, tables

@@ -22,10 +22,10 @@ import pytest
 
 from daq.block import Block, Flag
 from daq.clock import Overrun, Pacer
-from rig.campaign.executor import Executor, WorkerFailed, WorkerLost, computed
-from rig.campaign.recording import Part
+from rig.campaign.executor import Executor
+from rig.campaign.part import Part, paced
 from rig.campaign.workers import Processes
-from rig.errors import InputError, Mistake
+from rig.errors import InputError, Mistake, WorkerFailed, WorkerLost
 
 BLOCKS, CHANNELS, SAMPLES = 4, 4, 20_000
 HANGS = 120  # s after which a test counts as hung; all take seconds
@@ -36,7 +36,8 @@ class Here:
 
     @contextmanager
     def started(self, campaign: Any, waiting: Sequence[Any], speed: float | None) -> Iterator[Iterator[Part]]:
-        yield (part for run in waiting for part in computed(campaign, run, speed))
+        rates = {name: size.rate for name, size in campaign.lengths.items()}
+        yield (part for run in waiting for part in paced(campaign.parts(run), rates[run.condition.id], speed))
 
 
 MAKERS: dict[str, Callable[[], Executor]] = {
@@ -164,7 +165,7 @@ def test_a_defect_brings_its_traceback() -> None:
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Held to a thousand million times real time, without an allowance: the second part is late."""
-    monkeypatch.setattr("rig.campaign.executor.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+    monkeypatch.setattr("rig.campaign.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
     campaign, found = Counted(1), []
     with pytest.raises(Overrun), MAKERS[name]().started(campaign, campaign.waiting, 1e9) as parts:
         found.extend(parts)  # what came before the error stays in the list

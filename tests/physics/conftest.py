@@ -2,8 +2,8 @@
 
 import pytest
 
-from rig.catalog import load_rig
 from rig.catalog.entries import Rig
+from rig.catalog.rigfile import load_rig
 from rig.scene import Grains, Scene
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from analysis.conditions import Result, evaluate
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.runs import RunEnergy
 from analysis.setting import Setting
 from daq.channel import AnalyzerSpec, Channel, ChannelInfo, channel_info, ideal_transducer
 from rig.beds.stack import refill
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.grid import conditions
 from rig.model import predict, total_of
 from rig.plan import condition_facts

@@ -6,12 +6,12 @@ from scipy import stats
 
 from analysis.claim_tests import TESTS, Level, Question
 from analysis.conditions import evaluate
-from analysis.energy import Energy
+from analysis.energies import Energy
 from analysis.runs import RunEnergy
 from analysis.setting import Setting
 from daq.channel import AnalyzerSpec, Channel, channel_info, ideal_transducer
 from rig.beds.stack import refill
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.grid import conditions
 from rig.model import total_of
 from rig.plan import condition_facts

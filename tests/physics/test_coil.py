@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 
-from rig.catalog import exciter
+from rig.catalog.shelves import exciter
 from rig.drive.coil import Armature, CoilForce
 from rig.drive.waveform import Waveform
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rig.beds.stack import nominal, refill
+from rig.box import box_mass
 from rig.catalog.entries import Rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
@@ -13,7 +14,7 @@ from rig.drive.electrodynamic import XB, V, response
 from rig.drive.waveform import Waveform
 from rig.ledger import COLUMNS, COUPLED_COLUMNS
 from rig.scene import Amplifier, Drive, Layers, Scene
-from rig.stand import Stand, box_mass
+from rig.stand import Stand
 
 RATE = 4096 * 20.0
 CURRENT = Drive(mode="coupled", amplifier="current")

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from rig.beds.stack import bed_mass, nominal
-from rig.catalog import load_rig
+from rig.box import box_mass
 from rig.catalog.entries import Exciter, Rig
+from rig.catalog.rigfile import load_rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import Plant, response
 from rig.scene import Amplifier, Drive, GaugeSide, Scene
-from rig.stand import box_mass
 
 NAMES = ("force", "acceleration", "current", "voltage")
 

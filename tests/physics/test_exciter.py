@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from rig.catalog import exciter
 from rig.catalog.entries import Exciter
+from rig.catalog.shelves import exciter
 from rig.drive.exciter import Demand, demand
 from rig.drive.waveform import Waveform
 

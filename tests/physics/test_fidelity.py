@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from rig.beds.layers import Layers
 from rig.beds.stack import nominal, refill, stack
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Sampling, Waveform
+from rig.fidelity.choose import stand_pilot
 from rig.fidelity.lengths import LEAST_RECORD, LONGEST_RECORD, choose_lengths
-from rig.fidelity.pilot import Pilot, rows_pilot, stand_pilot
-from rig.fidelity.rows import COVERAGE, LADDER, SHARE, choose_rows, resolved_rows, scatter, with_rows
+from rig.fidelity.pilot import Pilot, rows_pilot
+from rig.fidelity.rows import COVERAGE, LADDER, SHARE, choose_rows, scatter
+from rig.fidelity.scene_rows import resolved_rows, with_rows
 from rig.model import closed
 from rig.scene import Cavity, Drive, Grains, Scene
 from rig.scene import Layers as LayersOf

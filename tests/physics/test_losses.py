@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rig.beds.stack import nominal, stack
-from rig.catalog import load_rig
+from rig.box import box_mass, losses_of
 from rig.catalog.entries import Rig
-from rig.drive.waveform import Waveform
+from rig.catalog.rigfile import load_rig
+from rig.drive.waveform import Waveform, viscous_energy
 from rig.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
 from rig.kernels.row import Rows
 from rig.kernels.slip import slip_moments
@@ -27,11 +28,10 @@ from rig.losses import (
     over_first_principles,
     quadratic_energy,
     structural_energy,
-    viscous_energy,
     way,
 )
 from rig.scene import Scene
-from rig.stand import Stand, box_mass, losses_of
+from rig.stand import Stand
 
 SINE = Waveform(20.0, 5.0)
 IMPERFECT = Waveform(20.0, 5.0, (1.0, 0.0, 0.1), (0.0, 0.0, 0.05))

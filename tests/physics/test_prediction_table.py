@@ -9,8 +9,7 @@ from analysis.prediction import Curve
 from rig.beds.layers import Layers
 from rig.beds.stack import nominal, refill, stack
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Sampling, Waveform
 from rig.grid import conditions as conditions_of
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import steady_and_window

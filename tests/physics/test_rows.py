@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from rig.beds.stack import nominal, stack
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.kernels.row import Rows, cycle, no_events
 from rig.kernels.rows import steady_energy
 from rig.kernels.waveform import Array, crossings, extrema, motion

@@ -12,10 +12,9 @@ from strategies import drives, motions, rigs, scenes
 from rig.beds.layers import Layers
 from rig.beds.stack import nominal, stack
 from rig.catalog.entries import Rig
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Waveform, viscous_energy
 from rig.errors import InputError
 from rig.ledger import CLOSES, COLUMNS, IN_BED
-from rig.losses import viscous_energy
 from rig.model import predict
 from rig.scene import BUILT_BEDS, Acquire, Condition, Scene
 from rig.stand import Stand

@@ -11,15 +11,15 @@ from scipy.optimize import brentq
 
 from rig.beds.slug import SlugBed, free_gap, slug
 from rig.beds.stack import bed_mass, nominal, refill
+from rig.box import box_mass
 from rig.catalog.entries import Rig
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform, waveform
+from rig.drive.waveform import Sampling, Waveform, waveform
 from rig.errors import InputError
 from rig.ledger import CLOSES, COLUMNS
 from rig.model import READ, SLUG_LEVELS, misread, predict, predict_about
 from rig.plan import model_row, prediction_document
 from rig.scene import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, Slug
-from rig.stand import Stand, box_mass
+from rig.stand import Stand
 from rig.theory.slug import plastic_energy
 
 CYCLE = 4096

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rig.beds.stack import nominal
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.grid import conditions
 from rig.model import total_of
 from rig.protocol import load_protocol

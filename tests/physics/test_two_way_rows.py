@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from rig.beds.stack import nominal
 from rig.beds.two_way import TWO_WAY, TwoWay
+from rig.box import box_mass
 from rig.catalog.entries import Rig
 from rig.coupled import STEPS, CoupledStand
 from rig.drive.command import Command
@@ -19,7 +20,7 @@ from rig.kernels.pages import paged, unpaged
 from rig.kernels.two_way import LEANING, Pull, collide
 from rig.ledger import COUPLED_COLUMNS
 from rig.scene import Axis, Drive, Scene, Slug
-from rig.stand import Stand, box_mass
+from rig.stand import Stand
 
 masses = st.floats(1e-3, 1e3)
 

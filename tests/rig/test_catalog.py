@@ -9,22 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from daq.channel import LISTED_RATES
-from rig.catalog import (
-    Exciter,
-    Rig,
-    analyzer,
-    dump_rig,
-    exciter,
-    listing,
-    load_rig,
-    material,
-    names,
-    rig_with_losses,
-    transducer,
-)
-from rig.catalog.entries import STATUSES
-from rig.catalog.rigfile import RANGES
+from rig.catalog.entries import STATUSES, Exciter, Rig
+from rig.catalog.rigfile import RANGES, dump_rig, load_rig, rig_with_losses
+from rig.catalog.shelves import analyzer, exciter, material, names, transducer
 from rig.catalog.stated import wanted_by
+from rig.catalog.table import listing
 from rig.errors import InputError
 from rig.strict import SMALLEST
 

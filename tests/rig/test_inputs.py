@@ -2,8 +2,10 @@
 
 import pytest
 
-from rig.campaign import Campaign
-from rig.catalog import analyzer, load_rig, transducer
+from rig.campaign.resolve import campaign_of
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
+from rig.catalog.shelves import analyzer, transducer
 from rig.errors import InputError
 from rig.protocol import dump_protocol, load_protocol
 
@@ -11,7 +13,7 @@ PLAIN = "schema: rig/protocol/1\nname: x\n"
 
 
 def made(*sets: str) -> Campaign:
-    return Campaign.of(load_protocol(PLAIN, sets), load_rig())
+    return campaign_of(load_protocol(PLAIN, sets), load_rig())
 
 
 def test_without_being_asked_nothing_is_there() -> None:
@@ -80,7 +82,7 @@ def test_what_does_not_fit_is_told(change: str, words: str) -> None:
 def test_instruments_belong_to_the_session() -> None:
     text = PLAIN + "vary: {acquire.coupling.force: [DC, AC]}\n"
     with pytest.raises(InputError, match="one set of instruments"):
-        Campaign.of(load_protocol(text), load_rig())
+        campaign_of(load_protocol(text), load_rig())
 
 
 def test_the_catalog_says_what_the_analyzer_is() -> None:

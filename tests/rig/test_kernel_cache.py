@@ -8,16 +8,14 @@ from pathlib import Path
 import pytest
 
 CALLEE = "from numba import njit\n\n@njit(cache=True)\ndef inner():\n    return {value}\n"
-CALLER = (
-    "from numba import njit\nfrom kernels.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
-)
+CALLER = "from numba import njit\nfrom kernels.inner.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
 ASK = """
 import sys
 from pathlib import Path
 from rig.kernels import drop_stale
 if sys.argv[1] == "drop":
     drop_stale(Path("kernels"))
-from kernels.caller import outer
+from kernels.outer.caller import outer
 print(outer())
 """
 
@@ -34,11 +32,12 @@ def answer(folder: Path, how: str) -> int:
 def test_a_changed_callee_is_compiled_anew(tmp_path: Path, how: str, after: int) -> None:
     """`keep` shows what numba does by itself: it answers with the code of before."""
     package = tmp_path / "kernels"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "caller.py").write_text(CALLER)
-    (package / "callee.py").write_text(CALLEE.format(value=1))
+    for folder in (package, package / "outer", package / "inner"):
+        folder.mkdir()
+        (folder / "__init__.py").touch()
+    (package / "outer" / "caller.py").write_text(CALLER)
+    (package / "inner" / "callee.py").write_text(CALLEE.format(value=1))
     assert answer(tmp_path, how) == 1
-    (package / "callee.py").write_text(CALLEE.format(value=2))
+    (package / "inner" / "callee.py").write_text(CALLEE.format(value=2))
     assert answer(tmp_path, how) == after
     assert answer(tmp_path, how) == after

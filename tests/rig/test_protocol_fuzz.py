@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rig.campaign import Campaign
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError
 from rig.protocol import dump_protocol, load_protocol
 
@@ -71,7 +71,7 @@ def outcome(text: str) -> str:
         return "refused" if error.mistakes and str(error) else "refused without a word"
     assert load_protocol(dump_protocol(protocol)) == protocol
     try:
-        Campaign.of(protocol, load_rig(protocol.rig))
+        campaign_of(protocol, load_rig(protocol.rig))
     except InputError:
         return "refused as a whole"
     return "runs"

@@ -9,8 +9,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rig.catalog import names
-from rig.catalog.shelves import sensors_for
+from rig.catalog.shelves import names, sensors_for
 from rig.catalog.writer import write_text, write_yaml
 from rig.errors import InputError
 from rig.expect import KINDS

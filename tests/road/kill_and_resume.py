@@ -18,8 +18,10 @@ from small_protocol import SMALL
 
 from daq import open_session
 from daq.session import Record
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 SETS = ("vary={scene.bed: [layers, locked]}", "repeats.n=3", "acquire.settle=4", "acquire.record=150")
@@ -27,7 +29,7 @@ SETS = ("vary={scene.bed: [layers, locked]}", "repeats.n=3", "acquire.settle=4",
 
 def campaign() -> Campaign:
     protocol = load_protocol(SMALL, sets=SETS)
-    return Campaign.of(protocol, load_rig(protocol.rig), SMALL)
+    return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
 def started(out: Path, resume: bool) -> int:

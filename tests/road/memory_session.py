@@ -8,13 +8,15 @@ import numpy as np
 
 from daq.channel import ChannelInfo
 from daq.frontend import FILTER_DELAY
+from rig.campaign.resolve import campaign_of
 from rig.campaign.session import exciter_facts
 from rig.campaign.setup import Campaign
-from rig.catalog import load_rig
 from rig.catalog.entries import Rig
-from rig.plan import Run, condition_facts, has_level, prediction_document, predictions
+from rig.catalog.rigfile import load_rig
+from rig.plan import condition_facts, has_level, prediction_document, predictions
 from rig.protocol import load_protocol
 from rig.scene import Protocol
+from rig.schedule import Run
 
 OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
 """Terms of the offset that are there whatever the instruments do."""
@@ -35,7 +37,7 @@ class Plan:
         """Of a protocol's text, its file or its name, and changes of it."""
         protocol = load_protocol(text, sets, varies)
         rig = load_rig(protocol.rig)
-        campaign = Campaign.of(protocol, rig)
+        campaign = campaign_of(protocol, rig)
         found = predictions(campaign.conditions, rig, 1)
         facts = (condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions)
         told = {c.id: found[c.id] for c in campaign.conditions if has_level(c)}
@@ -43,7 +45,7 @@ class Plan:
 
     def session(self, seed: int) -> "MemoryRecord":
         """A session with its own instruments, fillings, levels and noise."""
-        campaign = Campaign.of(replace(self.protocol, seed=seed), self.rig)
+        campaign = campaign_of(replace(self.protocol, seed=seed), self.rig)
         return MemoryRecord(self, campaign)
 
 

@@ -28,13 +28,14 @@ for name in ("sin", "cos", "tan", "exp", "exp2", "expm1", "log", "log2", "log10"
 
 PROGRAM = """
 import hashlib, sys
-from rig.campaign import Campaign
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.plan import prediction_document, predictions
 from rig.protocol import load_protocol
 
 protocol = load_protocol("nulls", sets=sys.argv[1:])
-campaign = Campaign.of(protocol, load_rig(protocol.rig))
+campaign = campaign_of(protocol, load_rig(protocol.rig))
 digest = hashlib.sha256()
 for run in campaign.runs:
     for part in campaign.parts(run):

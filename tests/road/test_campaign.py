@@ -12,15 +12,17 @@ from small_protocol import IDEAL, SMALL
 
 from analysis import read_session, write_report
 from daq.session import open_session
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError
 from rig.protocol import load_protocol
 
 
 def campaign(sets: tuple[str, ...] = (), seed: int | None = None) -> Campaign:
     protocol = load_protocol(SMALL, sets, seed=seed)
-    return Campaign.of(protocol, load_rig(protocol.rig), SMALL)
+    return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +157,7 @@ def test_another_seed_scatters_differently_about_the_same_means(nominal: Path, t
 
 def test_a_condition_more_changes_no_other_run(nominal: Path, tmp_path: Path) -> None:
     protocol = load_protocol(SMALL, varies=["drive.acceleration=[4 m/s^2, 1 m/s^2]"])
-    run(Campaign.of(protocol, load_rig("default"), SMALL), tmp_path, workers=2)
+    run(campaign_of(protocol, load_rig("default"), SMALL), tmp_path, workers=2)
     kept, added = report_of(nominal)["conditions"], report_of(tmp_path)["conditions"]
     by_key = {(c["bed"], c["acceleration_set"]): [r["W_exp"] for r in c["runs"]] for c in added}
     for c in kept:

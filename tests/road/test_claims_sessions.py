@@ -14,7 +14,7 @@ from memory_session import OUTSIDE_THE_INSTRUMENTS, MemoryRecord, Plan
 from scipy import stats
 
 from analysis import read_session, run_energy
-from analysis.conditions import DISSIPATED
+from analysis.ledger_columns import DISSIPATED
 from analysis.runs import RunEnergy
 from rig.cases import cases
 from rig.grid import conditions

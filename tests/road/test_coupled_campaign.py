@@ -9,10 +9,12 @@ import pytest
 from analysis import read_session
 from daq.session import open_session
 from rig.beds.stack import nominal
-from rig.campaign import Campaign, run
 from rig.campaign.dwelling import Dwelling
 from rig.campaign.preflight import outlook
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 FEW = """\
@@ -35,7 +37,7 @@ IDEAL = (
 
 def campaign(*sets: str, vary: tuple[str, ...] = ()) -> Campaign:
     protocol = load_protocol(FEW, sets, vary)
-    return Campaign.of(protocol, load_rig(protocol.rig), FEW)
+    return campaign_of(protocol, load_rig(protocol.rig), FEW)
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 SHIPPED = Path(__file__).parents[2] / "protocols" / "coupled_fill.yaml"
@@ -30,7 +31,7 @@ faults:
 
 def runs(text: str, out: Path, *sets: str, vary: tuple[str, ...] = ()) -> dict[tuple[Any, ...], dict[str, Any]]:
     protocol = load_protocol(text, sets, vary)
-    found = run(Campaign.of(protocol, load_rig(protocol.rig), text), out, workers=1)
+    found = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=1)
     return {(c["fill"], c["acceleration_set"], r["repeat"]): r for c in found["conditions"] for r in c["runs"]}
 
 

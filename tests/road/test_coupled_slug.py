@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from rig.beds.stack import nominal
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.dwell import phasors
@@ -38,7 +40,7 @@ seed: 3
 
 def campaign(*sets: str) -> Campaign:
     protocol = load_protocol(SLUG, sets)
-    return Campaign.of(protocol, load_rig(protocol.rig), SLUG)
+    return campaign_of(protocol, load_rig(protocol.rig), SLUG)
 
 
 def test_a_slug_in_a_heavy_box_takes_what_it_takes_on_a_sine(tmp_path: Path) -> None:

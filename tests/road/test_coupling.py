@@ -6,8 +6,9 @@ import pytest
 from small_protocol import IDEAL
 
 from daq import open_session
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 TEXT = """\
@@ -25,7 +26,7 @@ seed: 7
 
 def report(out: Path, *sets: str) -> dict:
     protocol = load_protocol(TEXT, sets)
-    return run(Campaign.of(protocol, load_rig(protocol.rig), TEXT), out)
+    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out)
 
 
 def test_certified_corners_are_undone(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 from rig import shipped
 from rig.campaign.decisions import Decision
 from rig.campaign.preflight import decided, preflight
-from rig.campaign.setup import Campaign
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.catalog.rigfile import load_rig
 from rig.cli.app import app
 from rig.protocol import load_protocol
 
@@ -32,7 +32,7 @@ expect:
 
 def told(source: str | Path, sets: tuple[str, ...] = ()) -> list[Decision]:
     protocol = load_protocol(source, sets)
-    campaign = Campaign.of(protocol, load_rig(protocol.rig))
+    campaign = campaign_of(protocol, load_rig(protocol.rig))
     return decided(campaign, list(preflight(campaign, 1)))
 
 

@@ -20,9 +20,10 @@ from daq import open_session
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import Wave
 from daq.formats.writing import sep005
-from rig.campaign import Campaign, run
 from rig.campaign.importing import import_records
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.cli.exchange import exported_waves
 from rig.errors import InputError
 from rig.grid import conditions
@@ -37,7 +38,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("export")
     sets = ("vary={}", "scene.bed=locked", "repeats.n=1", "acquire.settle=2", "acquire.record=8")
     protocol = load_protocol(SMALL, sets=sets)
-    run(Campaign.of(protocol, load_rig(protocol.rig), SMALL), out, workers=1)
+    run(campaign_of(protocol, load_rig(protocol.rig), SMALL), out, workers=1)
     return out
 
 

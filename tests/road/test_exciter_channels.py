@@ -10,8 +10,10 @@ from small_protocol import SMALL
 from analysis import read_session
 from daq.session import open_session
 from rig.beds.stack import nominal
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.drive.channels import WithExciter
 from rig.drive.exciter import demand, solvable_band
 from rig.drive.waveform import Waveform
@@ -31,7 +33,7 @@ IDEAL = (
 
 def campaign(*sets: str) -> Campaign:
     protocol = load_protocol(SMALL, sets)
-    return Campaign.of(protocol, load_rig(protocol.rig), SMALL)
+    return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
 def test_the_coil_tells_the_same_energy_without_errors_of_instruments(tmp_path: Path) -> None:

@@ -15,9 +15,10 @@ from daq import open_session
 from daq.block import Flag
 from daq.formats.wave import FormatError
 from rig import shipped
-from rig.campaign import Campaign, run
 from rig.campaign.importing import import_records
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.cli.exchange import export_session
 from rig.errors import InputError
 from rig.mapping import read_mapping
@@ -92,7 +93,7 @@ def by_hand(pair: Pair, beside: dict) -> tuple[float, float, float]:
 
 def recorded(name: str, sets: tuple[str, ...], folder: Path) -> dict:
     protocol = load_protocol(PROTOCOLS / f"{name}.yaml", sets=sets)
-    run(Campaign.of(protocol, load_rig(protocol.rig), (PROTOCOLS / f"{name}.yaml").read_text()), folder, workers=1)
+    run(campaign_of(protocol, load_rig(protocol.rig), (PROTOCOLS / f"{name}.yaml").read_text()), folder, workers=1)
     return json.loads((folder / "report.json").read_text())
 
 

@@ -10,8 +10,9 @@ import pytest
 
 from analysis import AnalysisError, read_session, run_energy
 from daq.session import open_session
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 TEXT = """\
@@ -28,7 +29,7 @@ seed: 7
 
 def report(out: Path, fault: str, *sets: str) -> dict[str, Any]:
     protocol = load_protocol(TEXT, [f"faults=[{{kind: {fault}, repeat: 2}}]", *sets])
-    return run(Campaign.of(protocol, load_rig(protocol.rig), TEXT), out, workers=1)
+    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out, workers=1)
 
 
 def runs(found: dict[str, Any]) -> dict[tuple[str, int], dict[str, Any]]:
@@ -130,7 +131,7 @@ def test_a_gap_is_tolerated_where_asked_and_nothing_is_joined_over_it(tmp_path: 
     faulty, healthy = tmp_path / "faulty", tmp_path / "healthy"
     report(faulty, "dropout, channel: force, start: 30, duration: 0.5", "acquire.record=80 cycles")
     protocol = load_protocol(TEXT, ["acquire.record=80 cycles"])
-    run(Campaign.of(protocol, load_rig(protocol.rig), TEXT), healthy, workers=1)
+    run(campaign_of(protocol, load_rig(protocol.rig), TEXT), healthy, workers=1)
     with open_session(faulty / "session.h5") as record, open_session(healthy / "session.h5") as whole:
         for info in record.runs:
             if info.repeat == 1:

@@ -14,13 +14,15 @@ from analysis import write_report
 from analysis.report.fidelity import fidelity_sentences
 from daq.session import Recorder, open_session
 from rig.beds.stack import nominal, stack
-from rig.campaign import Campaign, run
 from rig.campaign.peaks import use_of
 from rig.campaign.preflight import preflight
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
 from rig.campaign.session import session_plan
-from rig.catalog import load_rig
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError
-from rig.fidelity.rows import resolved_rows, side_by_side, with_rows
+from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
 from rig.model import closed
 from rig.protocol import dump_protocol, load_protocol
 from rig.stand import Stand
@@ -44,7 +46,7 @@ tolerance: 1 %
 
 def campaign(*sets: str, text: str = TEXT) -> Campaign:
     protocol = load_protocol(text, sets)
-    return Campaign.of(protocol, load_rig(protocol.rig), text)
+    return campaign_of(protocol, load_rig(protocol.rig), text)
 
 
 def resolved_energies(made: Campaign) -> list[float]:

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from small_protocol import SMALL, Rig
 
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 DAQ_TESTS = Path(__file__).parent.parent / "daq"
@@ -24,7 +25,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two conditions, two repeats, a few cycles."""
     out = tmp_path_factory.mktemp("foreign")
     protocol = load_protocol(SMALL, sets=SETS)
-    run(Campaign.of(protocol, load_rig(protocol.rig), SMALL), out, workers=1)
+    run(campaign_of(protocol, load_rig(protocol.rig), SMALL), out, workers=1)
     return out / "session.h5"
 
 

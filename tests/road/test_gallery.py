@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from daq.session import open_session
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError
 from rig.grid import conditions
 from rig.practice import BadPractice
@@ -23,7 +24,7 @@ every = pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 
 def report_of(path: Path, out: Path, *sets: str, varies: tuple[str, ...] = (), workers: int = 2) -> dict[str, Any]:
     protocol = load_protocol(path, sets, varies)
-    return run(Campaign.of(protocol, load_rig(protocol.rig), path.read_text()), out, workers=workers)
+    return run(campaign_of(protocol, load_rig(protocol.rig), path.read_text()), out, workers=workers)
 
 
 def said_in_the_docs(kind: str) -> tuple[list[float], list[float]]:

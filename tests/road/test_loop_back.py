@@ -9,8 +9,10 @@ from small_protocol import IDEAL, SMALL
 
 from analysis.loop_back import LoopBack, loop_back_nulls
 from daq import open_session
-from rig.campaign import Campaign, replay, run
-from rig.catalog import load_rig
+from rig.campaign.replaying import replay
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 ONE = ("vary={}", "scene.bed=loop_back", "repeats.n=3")
@@ -20,7 +22,7 @@ MEASURED = 1.5e-5  # rad: U of ANGLE_RESOLUTION (5e-6) and of the noise (2e-7 a 
 def told(folder: Path, *sets: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Report of a loop-back, and the actual instruments."""
     protocol = load_protocol(SMALL, sets=(*ONE, *sets))
-    report = run(Campaign.of(protocol, load_rig(protocol.rig), SMALL), folder, workers=1)
+    report = run(campaign_of(protocol, load_rig(protocol.rig), SMALL), folder, workers=1)
     with open_session(folder / "session.h5") as record:
         assert record.truth is not None
         return report, record.truth.document("instruments")
@@ -82,7 +84,7 @@ def test_coverage_of_the_certificates() -> None:
     protocol = load_protocol(SMALL, sets=ONE)
     channels = {
         info.name: info
-        for info in Campaign.of(protocol, load_rig(protocol.rig), SMALL).instruments.table(10240.0, 39.0)
+        for info in campaign_of(protocol, load_rig(protocol.rig), SMALL).instruments.table(10240.0, 39.0)
     }
     allowed = loop_back_nulls([LoopBack("r", 20.0, 0.0, 0.0, 1e-7)], channels)[0].dphi
     assert allowed is not None

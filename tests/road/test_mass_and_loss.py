@@ -13,7 +13,7 @@ from memory_session import MemoryRecord, Plan
 from scipy import stats
 
 from analysis import read_session
-from rig.campaign.setup import Campaign
+from rig.campaign.resolve import campaign_of
 
 TEXT = """\
 schema: rig/protocol/1
@@ -56,7 +56,7 @@ def told(record: MemoryRecord) -> np.ndarray:
 def held(text: str, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Shares of the sessions whose interval holds the truth, and mean U over the truth; (2, conditions) each."""
     plan, ideal = Plan.of(text), Plan.of(text, (*IDEAL, *DC))
-    exact = Campaign.of(ideal.protocol, ideal.rig)
+    exact = campaign_of(ideal.protocol, ideal.rig)
     inside, U = [], []
     for seed in range(1, count + 1):
         record = plan.session(seed)

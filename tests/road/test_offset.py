@@ -13,11 +13,14 @@ import pytest
 from small_protocol import IDEAL
 
 from analysis import read_session
-from analysis.offset import LARGEST_REMAINDER, TERMS
+from analysis.ledger_columns import TERMS
+from analysis.offset import LARGEST_REMAINDER
 from daq.session import open_session
-from rig.campaign import Campaign, run
 from rig.campaign.calibrate import calibrated
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.errors import InputError
 from rig.protocol import load_protocol
 
@@ -38,7 +41,7 @@ Rows = list[dict[str, Any]]
 
 def campaign(*sets: str, seed: int | None = None) -> Campaign:
     protocol = load_protocol(PROTOCOL, sets, seed=seed)
-    return Campaign.of(protocol, load_rig(protocol.rig), PROTOCOL)
+    return campaign_of(protocol, load_rig(protocol.rig), PROTOCOL)
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
-from rig.campaign import Campaign, run
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
 from rig.cases import cases
-from rig.catalog import load_rig
+from rig.catalog.rigfile import load_rig
 from rig.grid import conditions
 from rig.protocol import dump_protocol, load_protocol
 
@@ -21,7 +22,7 @@ FEW = ("repeats.n=2", "acquire.record=20 cycles")
 def report_of(name: str, out: Path, *sets: str, varies: tuple[str, ...] = ()) -> dict[str, Any]:
     text = (FOLDER / f"{name}.yaml").read_text()
     protocol = load_protocol(FOLDER / f"{name}.yaml", sets, varies)
-    report = run(Campaign.of(protocol, load_rig(protocol.rig), text), out, workers=2)
+    report = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=2)
     assert json.loads((out / "report.json").read_text())["claims"] == report["claims"]
     return report
 

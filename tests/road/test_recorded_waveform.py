@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 from small_protocol import SMALL
 
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 IDEAL = (
@@ -22,7 +24,7 @@ take 2 % more than in the end, where W_T is taken."""
 
 def report(out: Path, *sets: str, ablate: bool = True, varies: tuple[str, ...] = ()) -> dict:
     protocol = load_protocol(SMALL, sets, varies)
-    found = Campaign.of(protocol, load_rig(protocol.rig), SMALL)
+    found = campaign_of(protocol, load_rig(protocol.rig), SMALL)
     return run(Campaign(**{**vars(found), "ablate": ablate}), out, workers=2)
 
 

@@ -11,8 +11,11 @@ from daq import open_session
 from daq.clock import NEVER_LATE
 from daq.session import Recorder
 from daq.session_copy import plan_of
-from rig.campaign import Campaign, replay, run
-from rig.catalog import load_rig
+from rig.campaign.replaying import replay
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.campaign.setup import Campaign
+from rig.catalog.rigfile import load_rig
 from rig.protocol import load_protocol
 
 REPORTS = ("report.json", "report.csv", "report.md", "report.html")
@@ -20,7 +23,7 @@ REPORTS = ("report.json", "report.csv", "report.md", "report.html")
 
 def campaign(*sets: str) -> Campaign:
     protocol = load_protocol(SMALL, sets=("drive.acceleration=4", "vary={scene.bed: [layers, locked]}", *sets))
-    return Campaign.of(protocol, load_rig(protocol.rig), SMALL)
+    return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
 @pytest.fixture(scope="module")

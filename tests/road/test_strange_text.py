@@ -17,8 +17,9 @@ from strange import clean, hostile, shape_of, swapped
 
 from daq.session import SessionError, open_session
 from daq.strange_text import cell_text, json_text, visible
-from rig.campaign import Campaign, run
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.cli.exchange import export_session
 from rig.cli.sessions import compare_sessions, report_sessions, session_info, validate_session
 from rig.cli.tables import Terminal, table
@@ -41,7 +42,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     sets = ("vary={scene.bed: [layers, locked], drive.acceleration: [2 m/s^2, 4 m/s^2]}", "repeats.n=2")
     protocol = load_protocol(text, sets=sets)
-    run(Campaign.of(protocol, load_rig(protocol.rig), text), out, workers=1)
+    run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=1)
     return out / "session.h5"
 
 

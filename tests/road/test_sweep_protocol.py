@@ -11,9 +11,10 @@ from analysis.report import wording
 from analysis.report.sweep import sweep_plot
 from analysis.sweep import fundamentals, shift
 from rig.beds.stack import nominal
-from rig.campaign import Campaign, run
 from rig.campaign.look import look_coupled
-from rig.catalog import load_rig
+from rig.campaign.resolve import campaign_of
+from rig.campaign.running import run
+from rig.catalog.rigfile import load_rig
 from rig.cli.check import check_protocol
 from rig.coupled import CoupledStand
 from rig.drive.electrodynamic import response
@@ -58,7 +59,7 @@ def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
     shift that the sweep states of itself and 0.5 % for what comes behind the curvature, the apparent mass is right. Not
     at the end: under the locked bed the box meets its own resonance at 2.2 Hz, which the sweep does not see whole."""
     protocol = load_protocol(SWEEP)
-    campaign = Campaign.of(protocol, load_rig("default"), SWEEP)
+    campaign = campaign_of(protocol, load_rig("default"), SWEEP)
     rig = replace(campaign.rig, exciter=campaign.instruments.exciter)
     report = run(campaign, tmp_path)
     assert report["verdict"] == "passes"
@@ -98,7 +99,7 @@ def _told_truly(report: dict[str, Any]) -> None:
 def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
     """An amplifier that clips fails the session, and the flags say in which runs and how far beyond the limit."""
     protocol = load_protocol(SWEEP, ["drive.command=95 %", "acquire.record=60 cycles"])
-    report = run(Campaign.of(protocol, load_rig("default"), SWEEP), tmp_path)
+    report = run(campaign_of(protocol, load_rig("default"), SWEEP), tmp_path)
     assert report["verdict"] == wording.verdict_line(report).lower() == "fails"
     flags = {row["flag"]: row for row in report["flags"]}
     assert {flag for one in report["sweeps"] for flag in one["flags"]} == set(flags)
@@ -111,7 +112,7 @@ def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
 
 def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
     protocol = load_protocol(SWEEP, ["acquire.record=60 cycles"])
-    assert check_protocol(Campaign.of(protocol, load_rig("default"), SWEEP), strict=False, as_json=False) == 0
+    assert check_protocol(campaign_of(protocol, load_rig("default"), SWEEP), strict=False, as_json=False) == 0
     told = capsys.readouterr().out
     assert "W_T" not in told
     assert "No energy is stated of sweeps: c01, c02" in told
@@ -120,7 +121,7 @@ def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[
 def test_looking_ahead_sees_the_whole_sweep() -> None:
     """The largest force lies where the sweep passes, not where it begins."""
     protocol = load_protocol(SWEEP, ["drive.frequency=5 Hz", "drive.sweep_to=12 Hz"])
-    campaign = Campaign.of(protocol, load_rig("default"), SWEEP)
+    campaign = campaign_of(protocol, load_rig("default"), SWEEP)
     first = campaign.conditions[0]
     held = replace(first, drive=replace(first.drive, sweep_to=None))
     rate = campaign.lengths[first.id].rate

@@ -11,7 +11,7 @@ from small_protocol import SMALL
 
 from analysis import write_report
 from daq.whole_files import UNFINISHED
-from rig.campaign import run
+from rig.campaign.running import run
 from rig.cli import sessions
 from rig.protocol import load_protocol
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from rig.beds.stack import Filling, nominal, stack
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
-from rig.catalog import load_rig
 from rig.catalog.entries import Rig
+from rig.catalog.rigfile import load_rig
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
 from rig.grid import conditions

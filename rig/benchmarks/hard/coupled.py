@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from rig.beds.stack import bed_mass, nominal
 from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
-from rig.catalog import load_rig
+from rig.box import box_mass
 from rig.catalog.entries import Exciter, Rig
+from rig.catalog.rigfile import load_rig
 from rig.coupled import CoupledStand
 from rig.drive.command import Command
 from rig.drive.electrodynamic import VA, VB, XA, XB, Plant, V, X, propagator
 from rig.ledger import COUPLED_COLUMNS
 from rig.scene import Amplifier, Cavity, Drive, Grains, Layers, Scene, Slug
-from rig.stand import box_mass
 
 Array = NDArray[np.float64]
 

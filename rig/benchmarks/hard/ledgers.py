@@ -12,8 +12,7 @@ from rig.beds.rigid import Dashpot, Locked
 from rig.beds.slug import SlugBed
 from rig.beds.stack import Stack
 from rig.benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
-from rig.drive.sampling import Sampling
-from rig.drive.waveform import Waveform
+from rig.drive.waveform import Sampling, Waveform
 from rig.theory.slug import Slug
 
 Array = NDArray[np.float64]
