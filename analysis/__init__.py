@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from analysis.estimate import Estimate
     from analysis.reading import read_session, run_energy
     from analysis.record import AnalysisError, Record
-    from analysis.report import write_report
     from analysis.report.between import write_comparison
+    from analysis.report.files import write_report
     from analysis.runs import RunEnergy
     from analysis.setting import Setting
 
@@ -50,7 +50,7 @@ _HOME = {
     "read_session": "analysis.reading",
     "run_energy": "analysis.reading",
     "write_comparison": "analysis.report.between",
-    "write_report": "analysis.report",
+    "write_report": "analysis.report.files",
 }
 
 place_caches()

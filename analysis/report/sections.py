@@ -13,7 +13,8 @@ from analysis.report.fidelity import fidelity
 from analysis.report.gauge import at_box
 from analysis.report.offset_figures import bland_altman, nulls_plot, offset_plot, terms_plot
 from analysis.report.reasons import causes, offset_terms
-from analysis.report.sweep import sweep_plot, sweeps
+from analysis.report.sweep import sweeps
+from analysis.report.sweep_figure import sweep_plot
 
 __all__ = ["Section", "plots", "sections"]
 

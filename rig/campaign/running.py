@@ -56,7 +56,7 @@ def run(
     executor = executor or Processes(workers if speed is None else 1)
     with executor.started(campaign, waiting, speed) as parts:
         from analysis.reading import read_session
-        from analysis.report import write_report
+        from analysis.report.files import write_report
         from daq.session import Recorder  # loaded while the workers are at it, as whatever only the writer needs
         from rig.campaign.session import session_plan
 

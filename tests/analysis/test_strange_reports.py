@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from page_report import demo_report
 from strange import Page, clean, hostile, markdown_shape, shape_of, svg_shape, swapped
 
-from analysis.report import write_report
 from analysis.report.cells import Cell, Table
 from analysis.report.drawing import Drawing, Plot, Word
+from analysis.report.files import write_report
 from analysis.report.html import page
 from analysis.report.markdown import section_texts
 from analysis.report.sections import Section

@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 CALLEE = "from numba import njit\n\n@njit(cache=True)\ndef inner():\n    return {value}\n"
-CALLER = "from numba import njit\nfrom kernels.inner.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
+CALLER = (
+    "from numba import njit\nfrom kernels.inner.callee import inner\n\n"
+    "@njit(cache=True)\ndef outer():\n    return inner()\n"
+)
 ASK = """
 import sys
 from pathlib import Path

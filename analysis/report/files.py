@@ -1,0 +1,46 @@
+"""The report in four forms, all from the same dict: JSON, CSV, Markdown and one self-contained HTML page."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from analysis.report.drawing import Plot
+
+__all__ = ["write_report"]
+
+
+def write_report(
+    report: dict[str, Any], out_dir: Path | str, figures: bool = True, png: bool = False
+) -> tuple[Path, ...]:
+    """Write report.csv, report.md, report.html and report.json into out_dir (made where missing); return the paths.
+
+    Every file is whole or the old one; report.json is the last to be replaced.
+
+    figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as well. Equal reports
+    give equal bytes: no date, path or machine is in them.
+    """
+    from analysis.report.csv import csv_text
+    from analysis.report.html import html_text
+    from analysis.report.markdown import markdown_text
+    from analysis.report.sections import sections
+    from daq.strange_text import json_text
+    from daq.whole_files import write_folder
+
+    parts = sections(report, figures)
+    plots = [plot for part in parts for plot in part.plots]
+    files: dict[str, str | bytes] = {
+        "report.csv": csv_text(report),
+        "report.md": markdown_text(report, parts),
+        "report.html": html_text(report, parts),
+        **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
+        **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
+        "report.json": json_text(report) + "\n",
+    }
+    return write_folder(Path(out_dir), files)
+
+
+def _png(plot: "Plot") -> bytes:
+    from analysis.figures import png
+    from analysis.report.drawing import arranged
+
+    return png(arranged(plot.panels, plot.across))
