@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.report import wording
-from analysis.report.sweep import sweep_plot
+from analysis.report.sweep_figure import sweep_plot
 from analysis.sweep import fundamentals, shift
 from rig.beds.stack import nominal
 from rig.campaign.look import look_coupled
