@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 from daq.caches import place_caches
 
 if TYPE_CHECKING:
-    from analysis.between import compare
-    from analysis.comparison import agreement
-    from analysis.energies import Energy
-    from analysis.energy import dissipated_energy
-    from analysis.estimate import Estimate
-    from analysis.reading import read_session, run_energy
-    from analysis.record import AnalysisError, Record
-    from analysis.report.between import write_comparison
+    from analysis.comparison.two_sessions import compare
+    from analysis.comparison.whole_session import agreement
+    from analysis.energy.energies import Energy
+    from analysis.energy.per_cycle import dissipated_energy
+    from analysis.pipeline import read_session, run_energy
     from analysis.report.files import write_report
-    from analysis.runs import RunEnergy
-    from analysis.setting import Setting
+    from analysis.report.two_sessions import write_comparison
+    from analysis.results.run import RunEnergy
+    from analysis.session.record import AnalysisError, Record
+    from analysis.session.setting import Setting
+    from analysis.uncertainty.estimate import Estimate
 
 __all__ = [
     "AnalysisError",
@@ -38,18 +38,18 @@ __all__ = [
 ]
 
 _HOME = {
-    "AnalysisError": "analysis.record",
-    "Energy": "analysis.energies",
-    "Estimate": "analysis.estimate",
-    "Record": "analysis.record",
-    "RunEnergy": "analysis.runs",
-    "Setting": "analysis.setting",
-    "agreement": "analysis.comparison",
-    "compare": "analysis.between",
-    "dissipated_energy": "analysis.energy",
-    "read_session": "analysis.reading",
-    "run_energy": "analysis.reading",
-    "write_comparison": "analysis.report.between",
+    "AnalysisError": "analysis.session.record",
+    "Energy": "analysis.energy.energies",
+    "Estimate": "analysis.uncertainty.estimate",
+    "Record": "analysis.session.record",
+    "RunEnergy": "analysis.results.run",
+    "Setting": "analysis.session.setting",
+    "agreement": "analysis.comparison.whole_session",
+    "compare": "analysis.comparison.two_sessions",
+    "dissipated_energy": "analysis.energy.per_cycle",
+    "read_session": "analysis.pipeline",
+    "run_energy": "analysis.pipeline",
+    "write_comparison": "analysis.report.two_sessions",
     "write_report": "analysis.report.files",
 }
 

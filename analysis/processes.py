@@ -8,12 +8,12 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING
 
-from analysis.reading import energies_of
-from analysis.runs import RunEnergy
+from analysis.pipeline import energies_of
+from analysis.results.run import RunEnergy
 from daq.child_processes import killed_at_the_end
 
 if TYPE_CHECKING:
-    from daq.session import Record
+    from daq.session.record import Record
 
 __all__ = ["energies_by_processes"]
 
@@ -55,7 +55,7 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
 
 def _work(record: "Record", names: Sequence[str], tolerate_gaps: bool, pipe: Connection) -> None:
     """Be one process. It says nothing of what goes wrong: the caller meets it again."""
-    from daq.session import SessionError
+    from daq.session.plan import SessionError
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the caller's to handle
     with suppress(SessionError, OSError, MemoryError):

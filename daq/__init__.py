@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from daq.caches import place_caches
 
 if TYPE_CHECKING:
-    from daq.block import Block, Flag
-    from daq.session import Recorder
-    from daq.session_plan import RunPlan, SessionError, SessionPlan
-    from daq.session_record import Record, open_session
+    from daq.chain.block import Block, Flag
+    from daq.session.plan import RunPlan, SessionError, SessionPlan
+    from daq.session.record import Record, open_session
+    from daq.session.writer import Recorder
 
 __all__ = [
     "Block",
@@ -26,14 +26,14 @@ __all__ = [
 ]
 
 _HOME = {
-    "Block": "daq.block",
-    "Flag": "daq.block",
-    "Record": "daq.session_record",
-    "Recorder": "daq.session",
-    "RunPlan": "daq.session_plan",
-    "SessionError": "daq.session_plan",
-    "SessionPlan": "daq.session_plan",
-    "open_session": "daq.session_record",
+    "Block": "daq.chain.block",
+    "Flag": "daq.chain.block",
+    "Record": "daq.session.record",
+    "Recorder": "daq.session.writer",
+    "RunPlan": "daq.session.plan",
+    "SessionError": "daq.session.plan",
+    "SessionPlan": "daq.session.plan",
+    "open_session": "daq.session.record",
 }
 
 place_caches()

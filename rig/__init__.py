@@ -7,21 +7,21 @@ from daq.caches import place_caches
 
 if TYPE_CHECKING:
     from rig.beds.bed import Reaction
+    from rig.beds.janssen_stack import bed_mass, nominal
     from rig.beds.registry import BEDS
-    from rig.beds.stack import bed_mass, nominal
-    from rig.campaign.replaying import replay
+    from rig.campaign.campaign import Campaign
+    from rig.campaign.replayer import replay
     from rig.campaign.resolve import campaign_of
-    from rig.campaign.running import run
-    from rig.campaign.setup import Campaign
+    from rig.campaign.runner import run
     from rig.catalog.entries import Rig
-    from rig.catalog.rigfile import dump_rig, load_rig
+    from rig.catalog.rig_file import dump_rig, load_rig
     from rig.drive.waveform import Sampling, Waveform, viscous_energy
     from rig.errors import InputError
-    from rig.grid import conditions
-    from rig.model import Prediction, predict
-    from rig.protocol import dump_protocol, load_protocol
-    from rig.scene import Condition, Protocol
-    from rig.stand import Stand
+    from rig.prediction.model import Prediction, predict
+    from rig.protocol.grid import conditions
+    from rig.protocol.load import dump_protocol, load_protocol
+    from rig.protocol.spec import Condition, Protocol
+    from rig.stand.prescribed import Stand
 
 __all__ = [
     "BEDS",
@@ -51,27 +51,27 @@ __all__ = [
 
 _HOME = {
     "BEDS": "rig.beds.registry",
-    "Campaign": "rig.campaign.setup",
-    "Condition": "rig.scene",
+    "Campaign": "rig.campaign.campaign",
+    "Condition": "rig.protocol.spec",
     "InputError": "rig.errors",
-    "Prediction": "rig.model",
-    "Protocol": "rig.scene",
+    "Prediction": "rig.prediction.model",
+    "Protocol": "rig.protocol.spec",
     "Reaction": "rig.beds.bed",
     "Rig": "rig.catalog.entries",
     "Sampling": "rig.drive.waveform",
-    "Stand": "rig.stand",
+    "Stand": "rig.stand.prescribed",
     "Waveform": "rig.drive.waveform",
-    "bed_mass": "rig.beds.stack",
+    "bed_mass": "rig.beds.janssen_stack",
     "campaign_of": "rig.campaign.resolve",
-    "conditions": "rig.grid",
-    "dump_protocol": "rig.protocol",
-    "dump_rig": "rig.catalog.rigfile",
-    "load_protocol": "rig.protocol",
-    "load_rig": "rig.catalog.rigfile",
-    "nominal": "rig.beds.stack",
-    "predict": "rig.model",
-    "replay": "rig.campaign.replaying",
-    "run": "rig.campaign.running",
+    "conditions": "rig.protocol.grid",
+    "dump_protocol": "rig.protocol.load",
+    "dump_rig": "rig.catalog.rig_file",
+    "load_protocol": "rig.protocol.load",
+    "load_rig": "rig.catalog.rig_file",
+    "nominal": "rig.beds.janssen_stack",
+    "predict": "rig.prediction.model",
+    "replay": "rig.campaign.replayer",
+    "run": "rig.campaign.runner",
     "viscous_energy": "rig.drive.waveform",
 }
 

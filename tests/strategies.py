@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
-from rig.feasible import conflicts
-from rig.scene import HORIZONTAL_ONLY_BEDS, Acquire, Cavity, Dashpot, Drive, Grains, Layers, Scene, Slug
+from rig.protocol.feasibility import conflicts
+from rig.protocol.spec import HORIZONTAL_ONLY_BEDS, Acquire, Cavity, Dashpot, Drive, Grains, Layers, Scene, Slug
 
 LOSSES = ("noise", "air", "mount")
 """Loss channels that know nothing of the air's own density and viscosity."""

@@ -4,7 +4,7 @@ import csv
 import io
 from typing import Any
 
-from analysis.ledger_columns import TERMS
+from analysis.session.ledger_columns import TERMS
 from daq.strange_text import cell_text
 
 __all__ = ["csv_text"]

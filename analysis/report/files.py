@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from analysis.report.drawing import Plot
+    from analysis.report.figures.drawing import Plot
 
 __all__ = ["write_report"]
 
@@ -40,7 +40,7 @@ def write_report(
 
 
 def _png(plot: "Plot") -> bytes:
-    from analysis.figures import png
-    from analysis.report.drawing import arranged
+    from analysis.report.figures.drawing import arranged
+    from analysis.report.figures.matplotlib_style import png
 
     return png(arranged(plot.panels, plot.across))

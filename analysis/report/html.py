@@ -4,14 +4,14 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from analysis.report import wording
-from analysis.report.cells import Cell, Table
-from analysis.report.drawing import Plot, svg_text
-from analysis.report.fidelity import fidelity_sentences
-from analysis.report.losses import losses_sentence
-from analysis.report.mistake import mistake_sentences, mistake_tables
+from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
+from analysis.report.figures.drawing import Plot, svg_text
+from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
-from analysis.words import escape
+from analysis.report.tables.cells import Cell, Table
+from analysis.report.tables.fidelity import fidelity_sentences
+from analysis.text import escape
 from daq.strange_text import LINES, visible
 
 __all__ = ["html_text", "page"]

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from analysis.report import wording
-from analysis.report.cells import Table
-from analysis.report.fidelity import fidelity_sentences
-from analysis.report.losses import losses_sentence
-from analysis.report.mistake import mistake_sentences, mistake_tables
+from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
+from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
+from analysis.report.tables.cells import Table
+from analysis.report.tables.fidelity import fidelity_sentences
 from daq.strange_text import LINES, visible
 
 __all__ = ["markdown_text", "plain", "section_texts"]

@@ -4,17 +4,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from analysis.report import tables, wording
-from analysis.report.cells import Table
-from analysis.report.cycle_figures import repeats_plot, waveform_plot
-from analysis.report.drawing import Plot
-from analysis.report.energy_figures import energy_plots
-from analysis.report.fidelity import fidelity
-from analysis.report.gauge import at_box
-from analysis.report.offset_figures import bland_altman, nulls_plot, offset_plot, terms_plot
-from analysis.report.reasons import causes, offset_terms
-from analysis.report.sweep import sweeps
-from analysis.report.sweep_figure import sweep_plot
+from analysis.report import wording
+from analysis.report.figures.cycles import repeats_plot, waveform_plot
+from analysis.report.figures.drawing import Plot
+from analysis.report.figures.energy import energy_plots
+from analysis.report.figures.offset import bland_altman, nulls_plot, offset_plot, terms_plot
+from analysis.report.figures.sweep import sweep_plot
+from analysis.report.tables import report_tables as tables
+from analysis.report.tables.cells import Table
+from analysis.report.tables.fidelity import fidelity
+from analysis.report.tables.gauge_position import at_box
+from analysis.report.tables.offset_tables import causes, offset_terms
+from analysis.report.tables.sweep import sweeps
 
 __all__ = ["Section", "plots", "sections"]
 

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from analysis.report.cells import significant, with_U
+from analysis.report.tables.cells import significant, with_U
 
 __all__ = [
     "again",

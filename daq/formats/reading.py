@@ -18,11 +18,11 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from daq.documents.shapes import Keys, List, Number, Text, deviations
 from daq.expansion import ALWAYS, DEFLATE, TIMES, most_unpacked
 from daq.formats.wave import FormatError, MissingReader
 from daq.regular_files import kind_of_place, open_regular
-from daq.session_hdf5 import dataset, has
-from daq.shapes import Keys, List, Number, Text, deviations
+from daq.session.hdf5 import dataset, has
 
 __all__ = ["KINDS", "Column", "CsvStyle", "kind_of", "read_columns"]
 

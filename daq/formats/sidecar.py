@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from daq.documents.shapes import Each, Keys, List, Number, Shape, Text, YesNo, deviations
 from daq.formats.wave import FormatError
 from daq.regular_files import open_regular
-from daq.shapes import Each, Keys, List, Number, Shape, Text, YesNo, deviations
 
 __all__ = ["SCHEMA", "FlaggedBlock", "Sidecar", "is_sidecar", "read_sidecar", "sidecar_of"]
 
@@ -39,7 +39,7 @@ SHAPE = Keys({
 
 @dataclass(frozen=True)
 class FlaggedBlock:
-    """Samples start..start + count of a record whose quality bits (daq.block.Flag) are set, by channel."""
+    """Samples start..start + count of a record whose quality bits (daq.chain.block.Flag) are set, by channel."""
 
     start: int
     count: int

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from daq.session_record import Record
+from daq.session.record import Record
 
 __all__ = ["CHUNK", "FormatError", "MissingReader", "RecordedSignal", "Samples", "Spectrum", "Wave"]
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from rig.beds.bed import Array, Reaction
-from rig.beds.stack import Stack
+from rig.beds.janssen_stack import Stack
 from rig.drive.waveform import Sampling
 from rig.errors import InputError, Mistake
-from rig.kernels.row import MAX_EVENTS, Rows
-from rig.kernels.rows import MEMORY, Grid, follow
+from rig.kernels.rows.many_rows import MEMORY, Grid, follow
+from rig.kernels.rows.one_row import MAX_EVENTS, Rows
 from rig.kernels.waveform import crossings, extrema
 
 

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 
 from rig.beds.bed import Bed
+from rig.beds.janssen_stack import Filling, bed_mass, stack
 from rig.beds.layers import Layers
 from rig.beds.rigid import Dashpot, Locked
-from rig.beds.slug import SlugBed, slug
-from rig.beds.stack import Filling, bed_mass, stack
+from rig.beds.single_mass import SlugBed, slug
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling
-from rig.scene import Scene
+from rig.protocol.spec import Scene
 
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "empty": lambda _scene, _rig, _filling, sampling: Locked(0.0, sampling),

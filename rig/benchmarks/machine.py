@@ -5,7 +5,7 @@ import platform
 from pathlib import Path
 from typing import Any
 
-from rig.provenance import commit, now, version_of
+from rig.campaign.provenance import commit, now, version_of
 
 PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "llvmlite", "h5py", "matplotlib")
 ROOT = Path(__file__).resolve().parents[2]

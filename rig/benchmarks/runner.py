@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from rig.benchmarks.claims import checked, judged
 from rig.benchmarks.machine import header
+from rig.benchmarks.results.claims import checked, judged
 
 Row = dict[str, Any]
 
@@ -23,7 +23,7 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
-    from rig.benchmarks import (
+    from rig.benchmarks.problems import (
         beds,
         chain,
         compiling,
@@ -73,7 +73,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
 def measured(todo: Sequence[Job], quick: bool, watch: Callable[[Job, bool], None] = lambda *_: None) -> Iterator[Row]:
     """Rows of all jobs: the machine first, the claims last. `watch` is called before and behind (True) a job."""
     from analysis import AnalysisError
-    from daq.session import SessionError
+    from daq.session.plan import SessionError
     from rig.errors import InputError
 
     expected = (

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from rig.campaign.part import Part
-from rig.campaign.setup import Campaign
-from rig.schedule import Run
+from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.part import Part
+from rig.protocol.schedule import Run
 
 
 class Executor(Protocol):

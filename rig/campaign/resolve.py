@@ -6,15 +6,15 @@ run in servo drive would take.
 
 from typing import TYPE_CHECKING
 
-from daq.frontend import FILTER_DELAY
-from rig import grid
-from rig.campaign.practice import spoiled
-from rig.campaign.ranging import auto_ranged
-from rig.campaign.setup import Campaign
+from daq.chain.frontend import FILTER_DELAY
+from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.deliberate_errors import spoiled
 from rig.catalog.entries import Rig
-from rig.instruments import instruments
-from rig.scene import Protocol
-from rig.schedule import lengths, runs
+from rig.protocol import grid
+from rig.protocol.schedule import lengths, runs
+from rig.protocol.spec import Protocol
+from rig.stand.auto_range import auto_ranged
+from rig.stand.channels import instruments
 
 if TYPE_CHECKING:
     from rig.fidelity.choice import Choice
@@ -27,7 +27,7 @@ def campaign_of(protocol: Protocol, rig: Rig, text: str = "") -> Campaign:
     rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
     choices: dict[str, Choice] = {}
     if protocol.fidelity == "auto":
-        from rig.campaign.fidelity import chosen
+        from rig.campaign.auto_fidelity import chosen
 
         choices = chosen(protocol, conditions, rig, auto_ranged(tools, conditions, rig, rates))
         conditions = tuple(choices[c.id].applied(c) for c in conditions)

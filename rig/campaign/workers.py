@@ -20,12 +20,12 @@ from itertools import islice
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from daq.chain.clock import Overrun
 from daq.child_processes import killed_at_the_end
-from daq.clock import Overrun
-from rig.campaign.part import Part, paced
-from rig.campaign.setup import Campaign
+from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.part import Part, paced
 from rig.errors import InputError, WorkerFailed, WorkerLost
-from rig.schedule import Run
+from rig.protocol.schedule import Run
 
 QUEUED_PARTS = 256
 """Parts of runs that may wait in a worker for the writer: 8 MB of two channels."""

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rig.catalog.rigfile import load_rig, rig_names
-from rig.catalog.shelves import KINDS, shelf
+from rig.catalog.entries_by_name import KINDS, shelf
+from rig.catalog.rig_file import load_rig, rig_names
 
 
 class Row(NamedTuple):

@@ -10,8 +10,8 @@ import typer
 from rig.cli.errors import Commands, with_whole_output
 
 if TYPE_CHECKING:
-    from rig.campaign.setup import Campaign
-    from rig.protocol import LoadedProtocol
+    from rig.campaign.campaign import Campaign
+    from rig.protocol.load import LoadedProtocol
 
 app = typer.Typer(
     cls=Commands,
@@ -82,7 +82,7 @@ def run(
 
     Example: rig run fill_rate --workers 2
     """
-    from rig.cli.run import run_protocol
+    from rig.cli.commands.run import run_protocol
 
     campaign = _campaign(protocol, set_, vary, seed, rig)
     folder = out if out is not None else Path("sessions") / campaign.protocol.name
@@ -101,7 +101,7 @@ def check(
 
     Example: rig check fill_rate --set drive.acceleration="8 m/s^2"
     """
-    from rig.cli.check import check_protocol
+    from rig.cli.commands.check import check_protocol
 
     raise typer.Exit(check_protocol(_campaign(protocol, set_, vary, seed, rig), strict, json))
 
@@ -121,11 +121,11 @@ def model(
     Example: rig model --set scene.grains.diameter="5 mm" --vary drive.acceleration=[2,4,6]
     """
     if study is not None:
-        from rig.cli.study import study_files
+        from rig.cli.commands.study import study_files
 
         study_files(study, out, json)
         return
-    from rig.cli.model import model_table
+    from rig.cli.commands.model import model_table
 
     model_table(_load(protocol or _DEFAULTS, set_, vary, None, rig), json)
 
@@ -144,10 +144,10 @@ def replay(
 
     Example: rig replay sessions/fill_rate --speed 10 --out sessions/again
     """
-    from rig.cli.watch import go_on_watched
+    from rig.cli.terminal.watch import go_on_watched
 
     go_on_watched(session)
-    from rig.cli.replay import replay_session
+    from rig.cli.commands.replay import replay_session
 
     raise typer.Exit(replay_session(session, out, _speed(speed), force, json))
 
@@ -169,10 +169,10 @@ def report(
 
     Example: rig report sessions/fill_rate sessions/coupled_fill --out compared
     """
-    from rig.cli.watch import go_on_watched
+    from rig.cli.terminal.watch import go_on_watched
 
     go_on_watched(*session)
-    from rig.cli.sessions import compare_sessions, report_sessions
+    from rig.cli.commands.sessions import compare_sessions, report_sessions
 
     if len(session) == 2:
         raise typer.Exit(compare_sessions(session, out, json, same_instruments, tolerate_gaps))
@@ -192,10 +192,10 @@ def info(
 
     Example: rig info sessions/fill_rate
     """
-    from rig.cli.watch import go_on_watched
+    from rig.cli.terminal.watch import go_on_watched
 
     go_on_watched(session)
-    from rig.cli.sessions import session_info, validate_session
+    from rig.cli.commands.sessions import session_info, validate_session
 
     if validate:
         raise typer.Exit(validate_session(session, json))
@@ -219,10 +219,10 @@ def export_(
 
     Example: rig export sessions/fill_rate --to uff58 --run 3
     """
-    from rig.cli.watch import go_on_watched
+    from rig.cli.terminal.watch import go_on_watched
 
     go_on_watched(session)
-    from rig.cli.exchange import export_session
+    from rig.cli.commands.exchange import export_session
 
     export_session(session, to, run, out, raw, json, force)
 
@@ -241,10 +241,10 @@ def import_(
 
     Example: rig import record.csv --map map.yaml --out sessions/mine
     """
-    from rig.cli.watch import go_on_watched
+    from rig.cli.terminal.watch import go_on_watched
 
     go_on_watched(*file)
-    from rig.cli.exchange import import_session
+    from rig.cli.commands.exchange import import_session
 
     raise typer.Exit(import_session(file, map_, out, force, json))
 
@@ -261,7 +261,7 @@ def calibrate(
 
     Example: rig calibrate density --target 0.07 --out my_rig.yaml
     """
-    from rig.cli.calibrate import calibrate_rig
+    from rig.cli.commands.calibrate import calibrate_rig
 
     calibrate_rig(_campaign(protocol, set_, vary, seed, rig), target, out, force, json)
 
@@ -278,7 +278,7 @@ def bench(
 
     Example: rig bench --quick --out bench
     """
-    from rig.cli.bench import bench as run_bench
+    from rig.cli.commands.bench import bench as run_bench
 
     raise typer.Exit(run_bench(quick, out, json))
 
@@ -292,9 +292,9 @@ def init(
 
     Example: rig init my_test.yaml
     """
-    from rig.cli.files import write_new
-    from rig.cli.output import say
-    from rig.protocol import protocol_template
+    from rig.cli.terminal.files import write_new
+    from rig.cli.terminal.output import say
+    from rig.protocol.load import protocol_template
 
     write_new(path, protocol_template(), force)
     say(f"Wrote {path}. Next: rig check {path}")
@@ -309,7 +309,7 @@ def catalog(
 
     Example: rig catalog exciter
     """
-    from rig.cli.catalog import catalog_table
+    from rig.cli.commands.catalog import catalog_table
 
     catalog_table(kind, json)
 
@@ -324,7 +324,7 @@ def schema(
 
     Example: rig schema protocol --out protocol.schema.json
     """
-    from rig.cli.schema import schema_text
+    from rig.cli.commands.schema import schema_text
 
     schema_text(kind, out, force)
 
@@ -335,7 +335,7 @@ _DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
 def _load(
     source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
 ) -> "LoadedProtocol":
-    from rig.protocol import read_protocol
+    from rig.protocol.load import read_protocol
 
     return read_protocol(source, sets or (), varies or (), seed, rig)
 
@@ -344,7 +344,7 @@ def _campaign(
     source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
 ) -> "Campaign":
     from rig.campaign.resolve import campaign_of
-    from rig.catalog.rigfile import load_rig
+    from rig.catalog.rig_file import load_rig
 
     loaded = _load(source, sets, varies, seed, rig)
     return campaign_of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)

@@ -61,9 +61,9 @@ def _known(error: Exception) -> int | None:
     if isinstance(error, OSError):
         return INTERRUPTED if error.errno in {*FAULTS, errno.ENOMEM} else BAD_INPUT
     from analysis import AnalysisError
-    from daq.clock import Overrun
+    from daq.chain.clock import Overrun
     from daq.formats.wave import FormatError
-    from daq.session import SessionError, WriteError
+    from daq.session.plan import SessionError, WriteError
     from rig.errors import WorkerLost
 
     if isinstance(error, Overrun | WorkerLost | WriteError):
@@ -85,7 +85,7 @@ def _sentence(error: Exception) -> str:
 def _is_write_error(error: Exception) -> bool:
     if isinstance(error, OSError | MemoryError):
         return False
-    from daq.session import WriteError
+    from daq.session.plan import WriteError
 
     return isinstance(error, WriteError)
 

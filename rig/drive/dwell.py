@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.drive.command import Command
-from rig.drive.level import Loop, Target, started, stepped
+from rig.drive.amplifier_command import Command
+from rig.drive.level_control import Loop, Target, started, stepped
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.catalog.entries import Exciter
-from rig.scene import Amplifier, GaugeSide
+from rig.protocol.spec import Amplifier, GaugeSide
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]

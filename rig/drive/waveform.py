@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.kernels.waveform import sines
-from rig.scene import Drive
+from rig.protocol.spec import Drive
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from rig.fidelity.scene_rows import with_rows
-from rig.scene import Condition
+from rig.protocol.spec import Condition
 
 
 @dataclass(frozen=True)

@@ -6,22 +6,22 @@ from functools import partial
 
 import numpy as np
 
-from daq.seeds import stream
-from rig.beds.stack import Filling, nominal, refill
+from daq.random_streams import stream
+from rig.beds.janssen_stack import Filling, nominal, refill
 from rig.catalog.entries import Rig
-from rig.catalog.shelves import IDEAL
+from rig.catalog.entries_by_name import IDEAL
+from rig.drive.losses import LOST
 from rig.drive.waveform import Waveform, waveform
 from rig.fidelity.choice import Choice
 from rig.fidelity.lengths import LengthChoice, choose_lengths
 from rig.fidelity.pilot import Look, Pilot, rows_pilot
 from rig.fidelity.rows import LOOKS, RowsChoice, choose_rows
 from rig.fidelity.scene_rows import resolved_rows, with_rows
-from rig.gas import LEAST_SHARE, share_of_weight
-from rig.kernels.rows import HISTORY
-from rig.ledger import COLUMNS
-from rig.losses import LOST
-from rig.scene import Acquire, Condition, Protocol, Scene
-from rig.stand import CHUNK_CYCLES, Stand
+from rig.kernels.rows.many_rows import HISTORY
+from rig.protocol.spec import Acquire, Condition, Protocol, Scene
+from rig.stand.gas import LEAST_SHARE, share_of_weight
+from rig.stand.ledger import COLUMNS
+from rig.stand.prescribed import CHUNK_CYCLES, Stand
 from rig.theory.total import AVERAGED_CYCLES
 
 TOLERANCE = 0.01

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.beds.janssen_stack import Filling, stack
 from rig.beds.layers import cannot_follow
-from rig.beds.stack import Filling, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
-from rig.kernels.row import MAX_EVENTS
-from rig.kernels.rows import HISTORY
-from rig.kernels.transient import transient
-from rig.scene import Drive, Scene
+from rig.kernels.rows.many_rows import HISTORY
+from rig.kernels.rows.one_row import MAX_EVENTS
+from rig.kernels.rows.transient import transient
+from rig.protocol.spec import Drive, Scene
 from rig.theory.total import sliding_rows
 
 Array = NDArray[np.float64]

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.beds.stack import nominal
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
 from rig.fidelity.pilot import Pilot, rows_pilot
 from rig.fidelity.scene_rows import resolved_rows, with_rows
-from rig.kernels.rows import HISTORY
-from rig.scene import Drive, Scene
+from rig.kernels.rows.many_rows import HISTORY
+from rig.protocol.spec import Drive, Scene
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from rig.scene import Scene
+from rig.protocol.spec import Scene
 from rig.theory.chain import grains_in_row
 
 

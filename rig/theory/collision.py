@@ -1,7 +1,7 @@
 """Collision of two bodies: eqs 6 to 12 and the pair form of eq 23, for many pairs at once.
 
-One explicit law instead of the printed 6 x 6 system (`rig.theory.literal`). Vectors have shape (pairs, 3), numbers
-(pairs,) or (). A body of infinite mass is a wall. Loss and impulses do not depend on the frame.
+One explicit law instead of the printed 6 x 6 system (`rig.theory.paper.literal`). Vectors have shape (pairs, 3),
+numbers (pairs,) or (). A body of infinite mass is a wall. Loss and impulses do not depend on the frame.
 """
 
 from dataclasses import dataclass

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.kernels.row import MAX_EVENTS, Rows
-from rig.kernels.rows import LONGEST_SPAN, steady_and_window, steady_energy
+from rig.kernels.rows.many_rows import LONGEST_SPAN, steady_and_window, steady_energy
+from rig.kernels.rows.one_row import MAX_EVENTS, Rows
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 

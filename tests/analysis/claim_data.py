@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from analysis.budget_line import Line
-from analysis.estimate import Estimate
-from analysis.uncertainty import combine, scatter_line
+from analysis.uncertainty.budget import combine, scatter_line
+from analysis.uncertainty.budget_line import Line
+from analysis.uncertainty.estimate import Estimate
 
 
 def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):

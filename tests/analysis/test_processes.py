@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from analysis import RunEnergy, processes, read_session
-from analysis.reading import energies_of
-from daq.session import Record, open_session
-from rig.campaign.running import run
-from rig.protocol import load_protocol
+from analysis.pipeline import energies_of
+from daq.session.record import Record, open_session
+from rig.campaign.runner import run
+from rig.protocol.load import load_protocol
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are forked")
 

@@ -6,9 +6,11 @@ import pytest
 from analytic_record import FILTER_DELAY, NOMINAL, OMEGA, condition, dashpot_energy, drive_time, motion, prediction_for
 
 from analysis import read_session, run_energy
-from daq.block import Block
-from daq.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info
-from daq.session import Recorder, RunPlan, SessionPlan, open_session
+from daq.chain.block import Block
+from daq.chain.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info
+from daq.session.plan import RunPlan, SessionPlan
+from daq.session.record import open_session
+from daq.session.writer import Recorder
 
 RATE, SAMPLES, CUT = 10240.0, 51 * 512, 7000
 MASS, LOSS, A0 = 38.0, 400.0, 5.0

@@ -12,15 +12,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from daq.acquisition import Acquisition, Emulated
-from daq.block import Block, Flag
-from daq.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info, draw_state
-from daq.faults import KINDS, Fault, Faulted
-from daq.frontend import FrontEnd
-from daq.replay import Replayed
-from daq.seeds import stream
-from daq.session import Record, Recorder, RunPlan, SessionPlan, open_session
-from daq.transducer import Transduced
+from daq.chain.acquisition import Acquisition, Emulated
+from daq.chain.block import Block, Flag
+from daq.chain.channel import AnalyzerSpec, Channel, TransducerSpec, channel_info, draw_state
+from daq.chain.frontend import FrontEnd
+from daq.chain.replay import Replayed
+from daq.chain.transducer import Transduced
+from daq.faults.in_blocks import KINDS, Fault, Faulted
+from daq.random_streams import stream
+from daq.session.plan import RunPlan, SessionPlan
+from daq.session.record import Record, open_session
+from daq.session.writer import Recorder
 
 RATE = 10240.0
 ANALYZER = AnalyzerSpec("INV-3118", (RATE,))

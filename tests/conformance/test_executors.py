@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from daq.block import Block, Flag
-from daq.clock import Overrun, Pacer
+from daq.chain.block import Block, Flag
+from daq.chain.clock import Overrun, Pacer
 from rig.campaign.executor import Executor
-from rig.campaign.part import Part, paced
+from rig.campaign.one_run.part import Part, paced
 from rig.campaign.workers import Processes
 from rig.errors import InputError, Mistake, WorkerFailed, WorkerLost
 
@@ -165,7 +165,7 @@ def test_a_defect_brings_its_traceback() -> None:
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Held to a thousand million times real time, without an allowance: the second part is late."""
-    monkeypatch.setattr("rig.campaign.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+    monkeypatch.setattr("daq.chain.clock.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
     campaign, found = Counted(1), []
     with pytest.raises(Overrun), MAKERS[name]().started(campaign, campaign.waiting, 1e9) as parts:
         found.extend(parts)  # what came before the error stays in the list

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from daq.channel import AnalyzerSpec, Channel, ChannelState, ideal_analyzer, ideal_transducer
-from daq.frontend import BLOCK, FrontEnd
+from daq.chain.channel import AnalyzerSpec, Channel, ChannelState, ideal_analyzer, ideal_transducer
+from daq.chain.frontend import BLOCK, FrontEnd
 
 RATE = 10240.0
 OVERSAMPLED = 8 * RATE

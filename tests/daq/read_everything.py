@@ -16,10 +16,10 @@ from pathlib import Path
 
 def use(path: Path) -> None:
     from analysis import read_session, write_report
-    from analysis.documents import session_document_deviations
-    from daq.session import open_session
-    from daq.session_check import session_deviations
-    from rig.cli.sessions import _facts
+    from analysis.session.documents import session_document_deviations
+    from daq.session.record import open_session
+    from daq.session.validate import session_deviations
+    from rig.cli.commands.sessions import _facts
 
     with open_session(path, 20.0) as record:
         for _ in (*session_deviations(record), *session_document_deviations(record)):
@@ -31,7 +31,7 @@ def use(path: Path) -> None:
 
 def outcome(path: Path) -> str:
     from analysis import AnalysisError
-    from daq.session import SessionError
+    from daq.session.plan import SessionError
 
     try:
         use(path)

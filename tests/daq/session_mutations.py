@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from daq.hdf5_flags import lookup3
+from daq.session.hdf5_flags import lookup3
 
 SIGNATURES = (b"OHDR", b"OCHK", b"FRHP", b"FHDB", b"FHIB", b"BTHD", b"BTIN", b"BTLF", b"FAHD", b"FADB")
 ODD: tuple[Any, ...] = (

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from daq.block import Block
-from daq.channel import AnalyzerSpec, Channel, ChannelInfo, TransducerSpec, channel_info
-from daq.session import RunPlan, SessionPlan
+from daq.chain.block import Block
+from daq.chain.channel import AnalyzerSpec, Channel, ChannelInfo, TransducerSpec, channel_info
+from daq.session.plan import RunPlan, SessionPlan
 
 RATE = 10240.0
 SAMPLES = 20000  # more than one chunk

@@ -41,7 +41,7 @@ def outcome(process: subprocess.Popen[str]) -> tuple[int, str, str]:
 
 
 USE = """
-import rig, analysis.passes, daq.noise, rig.kernels.roots, matplotlib
+import rig, analysis.signals.compiled_loops, daq.chain.noise, rig.kernels.roots, matplotlib
 matplotlib.get_configdir()
 print("done")
 """

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from daq.block import Flag, flag_names
-from daq.writer_lock import AlreadyLocked, WriterLock
+from daq.chain.block import Flag, flag_names
+from daq.session.writer_lock import AlreadyLocked, WriterLock
 
 
 def test_importing_daq_or_its_values_loads_nothing_heavy() -> None:
     code = (
-        "import sys, daq, daq.channel, daq.source, daq.block, daq.seeds, daq.session_plan, daq.clock\n"
+        "import sys, daq, daq.chain.channel, daq.chain.source, daq.chain.block, daq.random_streams\n"
+        "import daq.session.plan, daq.chain.clock\n"
         "print([name for name in ('h5py', 'numba', 'scipy') if name in sys.modules])"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq.seeds import stream
+from daq.random_streams import stream
 
 WORDS = st.lists(st.text(max_size=5), min_size=1, max_size=3)
 

@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from daq.session_hdf5 import open_file
+from daq.session.hdf5 import open_file
 
 
 def repack(old: Path, new: Path) -> None:

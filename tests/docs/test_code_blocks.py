@@ -15,10 +15,10 @@ import pytest
 from code_blocks import PAGES, ROOT, Block, blocks
 from typer.testing import CliRunner
 
-from rig.cli import watch
 from rig.cli.app import app
-from rig.mapping import read_mapping
-from rig.protocol import load_protocol
+from rig.cli.terminal import watch
+from rig.importing.mapping import read_mapping
+from rig.protocol.load import load_protocol
 
 QUIET = ("text", "{toctree}", "json")
 LEAST = "schema: rig/protocol/1\nname: fragment\n"

@@ -3,8 +3,8 @@
 import pytest
 
 from rig.catalog.entries import Rig
-from rig.catalog.rigfile import load_rig
-from rig.scene import Grains, Scene
+from rig.catalog.rig_file import load_rig
+from rig.protocol.spec import Grains, Scene
 
 
 @pytest.fixture(scope="session")

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.conditions import Result, evaluate
-from analysis.energies import Energy
-from analysis.runs import RunEnergy
-from analysis.setting import Setting
-from daq.channel import AnalyzerSpec, Channel, ChannelInfo, channel_info, ideal_transducer
-from rig.beds.stack import refill
-from rig.catalog.rigfile import load_rig
-from rig.grid import conditions
-from rig.model import predict, total_of
-from rig.plan import condition_facts
-from rig.protocol import load_protocol
-from rig.refills import refill_ratios
+from analysis.energy.energies import Energy
+from analysis.results.condition import Result, evaluate
+from analysis.results.run import RunEnergy
+from analysis.session.setting import Setting
+from daq.chain.channel import AnalyzerSpec, Channel, ChannelInfo, channel_info, ideal_transducer
+from rig.beds.janssen_stack import refill
+from rig.catalog.rig_file import load_rig
+from rig.prediction.document import condition_facts
+from rig.prediction.model import predict, total_of
+from rig.prediction.refills import refill_ratios
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 PROTOCOL = Path(__file__).parents[2] / "protocols" / "fill_rate.yaml"
 FILLS, LEVELS = ("10 %", "30 %", "50 %", "70 %", "80 %", "85 %", "90 %", "95 %"), (2, 3, 4, 5)

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analysis.claim_tests import TESTS, Level, Question
-from analysis.conditions import evaluate
-from analysis.energies import Energy
-from analysis.runs import RunEnergy
-from analysis.setting import Setting
-from daq.channel import AnalyzerSpec, Channel, channel_info, ideal_transducer
-from rig.beds.stack import refill
-from rig.catalog.rigfile import load_rig
-from rig.grid import conditions
-from rig.model import total_of
-from rig.plan import condition_facts
-from rig.protocol import load_protocol
+from analysis.comparison.claim_tests import TESTS, Level, Question
+from analysis.energy.energies import Energy
+from analysis.results.condition import evaluate
+from analysis.results.run import RunEnergy
+from analysis.session.setting import Setting
+from daq.chain.channel import AnalyzerSpec, Channel, channel_info, ideal_transducer
+from rig.beds.janssen_stack import refill
+from rig.catalog.rig_file import load_rig
+from rig.prediction.document import condition_facts
+from rig.prediction.model import total_of
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1
@@ -29,7 +29,7 @@ N = 4
 @pytest.fixture(scope="module")
 def poured():
     """Condition, channels and W (J) of 150 pourings."""
-    from rig.model import predict
+    from rig.prediction.model import predict
 
     protocol = load_protocol(TEXT)
     condition, rig, rng = conditions(protocol)[0], load_rig(protocol.rig), np.random.default_rng(8)

@@ -12,8 +12,8 @@ import pytest
 from refill_sessions import FILLS, LEVELS, Bank
 from scipy import stats
 
-from analysis.claim_tests import LEVEL, Level, Scatter, logs
-from analysis.multiple import beaten
+from analysis.comparison.claim_tests import LEVEL, Level, Scatter, logs
+from analysis.uncertainty.multiple_comparisons import beaten
 
 CLEAR = {4: 0.15, 8: 0.10}  # refills -> ln of how far the best is above all others, where the power is asked
 

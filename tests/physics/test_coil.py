@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 
-from rig.catalog.shelves import exciter
-from rig.drive.coil import Armature, CoilForce
+from rig.catalog.entries_by_name import exciter
+from rig.drive.coil_force import Armature, CoilForce
 from rig.drive.waveform import Waveform
 
 MOTION = Waveform(20.0, 3.0, (1.0, 0.0, 0.003), (0.0, 0.0, 0.002))

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal, refill
-from rig.box import box_mass
+from rig.beds.janssen_stack import nominal, refill
 from rig.catalog.entries import Rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import XB, V, response
 from rig.drive.waveform import Waveform
-from rig.ledger import COLUMNS, COUPLED_COLUMNS
-from rig.scene import Amplifier, Drive, Layers, Scene
-from rig.stand import Stand
+from rig.protocol.spec import Amplifier, Drive, Layers, Scene
+from rig.stand.box import box_mass
+from rig.stand.ledger import COLUMNS, COUPLED_COLUMNS
+from rig.stand.prescribed import Stand
+from rig.stand.shaker import CoupledStand
 
 RATE = 4096 * 20.0
 CURRENT = Drive(mode="coupled", amplifier="current")

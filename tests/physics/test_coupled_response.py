@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import bed_mass, nominal
-from rig.box import box_mass
+from rig.beds.janssen_stack import bed_mass, nominal
 from rig.catalog.entries import Exciter, Rig
-from rig.catalog.rigfile import load_rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.catalog.rig_file import load_rig
+from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import Plant, response
-from rig.scene import Amplifier, Drive, GaugeSide, Scene
+from rig.protocol.spec import Amplifier, Drive, GaugeSide, Scene
+from rig.stand.box import box_mass
+from rig.stand.shaker import CoupledStand
 
 NAMES = ("force", "acceleration", "current", "voltage")
 
@@ -49,7 +49,7 @@ def by_impedances(
 @pytest.mark.parametrize("side", ["box", "exciter"])
 def test_the_response_is_that_of_the_impedances(name: str, amplifier: Amplifier, side: GaugeSide) -> None:
     """Round-off only: 1e-9 leaves room for the condition of the matrix with a stinger of 1e7 N/m."""
-    from rig.catalog.shelves import exciter
+    from rig.catalog.entries_by_name import exciter
 
     preset = exciter(name)
     frequencies = np.geomspace(1.0, 2000.0, 40)

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal
-from rig.beds.two_way import TWO_WAY, TwoWay
+from rig.beds.coupled_step import TWO_WAY, TwoWay
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
-from rig.kernels.dozing import LEAST_ROWS, SLACK, doze, herd, wake
-from rig.kernels.pages import paged, unpaged
-from rig.ledger import COLUMNS
-from rig.scene import Drive, Scene
+from rig.drive.amplifier_command import Command
+from rig.kernels.rows.dozing import LEAST_ROWS, SLACK, doze, herd, wake
+from rig.kernels.rows.pages import paged, unpaged
+from rig.protocol.spec import Drive, Scene
+from rig.stand.ledger import COLUMNS
+from rig.stand.shaker import CoupledStand
 
 RATE = 4096 * 20.0
 

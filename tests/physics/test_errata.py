@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rig.theory.errata import errata
-from rig.theory.erratum import Erratum
+from rig.theory.paper.errata import errata
+from rig.theory.paper.erratum import Erratum
 
 ROWS = errata()
 

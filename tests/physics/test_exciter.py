@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from rig.catalog.entries import Exciter
-from rig.catalog.shelves import exciter
-from rig.drive.exciter import Demand, demand
+from rig.catalog.entries_by_name import exciter
+from rig.drive.exciter_limits import Demand, demand
 from rig.drive.waveform import Waveform
 
 PER_CYCLE = 512

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rig.beds.janssen_stack import nominal, refill, stack
 from rig.beds.layers import Layers
-from rig.beds.stack import nominal, refill, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
 from rig.fidelity.choose import stand_pilot
@@ -16,9 +16,9 @@ from rig.fidelity.lengths import LEAST_RECORD, LONGEST_RECORD, choose_lengths
 from rig.fidelity.pilot import Pilot, rows_pilot
 from rig.fidelity.rows import COVERAGE, LADDER, SHARE, choose_rows, scatter
 from rig.fidelity.scene_rows import resolved_rows, with_rows
-from rig.model import closed
-from rig.scene import Cavity, Drive, Grains, Scene
-from rig.scene import Layers as LayersOf
+from rig.prediction.model import closed
+from rig.protocol.spec import Cavity, Drive, Grains, Scene
+from rig.protocol.spec import Layers as LayersOf
 
 
 def balls(rows: int = 8, **changes: float) -> Scene:

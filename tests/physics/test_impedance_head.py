@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
-from rig.ledger import COUPLED_COLUMNS
-from rig.scene import Drive, Scene
+from rig.drive.amplifier_command import Command
+from rig.protocol.spec import Drive, Scene
+from rig.stand.ledger import COUPLED_COLUMNS
+from rig.stand.shaker import CoupledStand
 
 
 def test_a_head_at_the_exciter_reads_the_stinger_too(rig: Rig, steel: Scene) -> None:

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rig.kernels import flight
-from rig.kernels.flight import at, drift, reach, turn
 from rig.kernels.roots import NEAR
+from rig.kernels.single_mass import flight
+from rig.kernels.single_mass.flight import at, drift, reach, turn
 from rig.kernels.waveform import jet, near_by
 
 WAVES = (

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rig.drive.level import Loop, Target, started, stepped
+from rig.drive.level_control import Loop, Target, started, stepped
 
 Plant = Callable[[complex], complex]
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import rig
-from rig.theory import literal
 from rig.theory.chain import first_wave_loss
-from rig.theory.errata import random_hits
+from rig.theory.paper import literal
+from rig.theory.paper.errata import random_hits
 
 
 def gain(ratio: float, friction: float) -> tuple[float, float, float]:
@@ -78,6 +78,6 @@ def test_only_the_errata_use_it() -> None:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
                 names = {node.module or "", *(f"{node.module}.{name.name}" for name in node.names)}
-                if "rig.theory.literal" in names:
+                if "rig.theory.paper.literal" in names:
                     users.add(path.name)
     assert users == {"errata.py"}

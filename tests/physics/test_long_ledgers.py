@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rig.beds.stack import nominal, refill
+from rig.beds.janssen_stack import nominal, refill
 from rig.catalog.entries import Rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.drive.amplifier_command import Command
 from rig.drive.waveform import waveform
-from rig.ledger import COLUMNS, COUPLED_COLUMNS, LOST_IN_EXCITER, SPENT
-from rig.scene import Cavity, Drive, Grains, Layers, Scene, Slug
-from rig.stand import Stand
+from rig.protocol.spec import Cavity, Drive, Grains, Layers, Scene, Slug
+from rig.stand.ledger import COLUMNS, COUPLED_COLUMNS, LOST_IN_EXCITER, SPENT
+from rig.stand.prescribed import Stand
+from rig.stand.shaker import CoupledStand
 
 Array = NDArray[np.float64]
 

@@ -7,17 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rig.beds.stack import nominal, stack
-from rig.box import box_mass, losses_of
+from rig.beds.janssen_stack import nominal, stack
 from rig.catalog.entries import Rig
-from rig.catalog.rigfile import load_rig
-from rig.drive.waveform import Waveform, viscous_energy
-from rig.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
-from rig.kernels.row import Rows
-from rig.kernels.slip import slip_moments
-from rig.kernels.waveform import crossings, extrema
-from rig.ledger import CLOSES, COLUMNS
-from rig.losses import (
+from rig.catalog.rig_file import load_rig
+from rig.drive.losses import (
     LOST,
     Losses,
     by_order,
@@ -30,8 +23,15 @@ from rig.losses import (
     structural_energy,
     way,
 )
-from rig.scene import Scene
-from rig.stand import Stand
+from rig.drive.waveform import Waveform, viscous_energy
+from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.slip_moments import slip_moments
+from rig.kernels.waveform import crossings, extrema
+from rig.protocol.spec import Scene
+from rig.stand.box import box_mass, losses_of
+from rig.stand.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
+from rig.stand.ledger import CLOSES, COLUMNS
+from rig.stand.prescribed import Stand
 
 SINE = Waveform(20.0, 5.0)
 IMPERFECT = Waveform(20.0, 5.0, (1.0, 0.0, 0.1), (0.0, 0.0, 0.05))

@@ -5,20 +5,20 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from analysis.prediction import Curve
+from analysis.session.prediction import Curve
+from rig.beds.janssen_stack import nominal, refill, stack
 from rig.beds.layers import Layers
-from rig.beds.stack import nominal, refill, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
-from rig.grid import conditions as conditions_of
-from rig.kernels.row import Rows, cycle, no_events
-from rig.kernels.rows import steady_and_window
-from rig.kernels.slug import AVERAGE, SETTLE, steady
+from rig.kernels.rows.many_rows import steady_and_window
+from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, steady
 from rig.kernels.waveform import crossings, extrema
-from rig.model import closed, misread, predict_about
-from rig.protocol import load_protocol
-from rig.scene import Condition
-from rig.theory.slug import Slug
+from rig.prediction.model import closed, misread, predict_about
+from rig.protocol.grid import conditions as conditions_of
+from rig.protocol.load import load_protocol
+from rig.protocol.spec import Condition
+from rig.theory.single_mass import Slug
 
 SINE = (np.ones(1), np.zeros(1))
 PROTOCOLS = ("fill_rate", "density", "size", "size_acceleration", "frequency", "acceleration")

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from refill_sessions import FILLS, LEVELS, Bank
 
-from analysis.refills import SKEWED, TRIED, WANTED, held, refills_row
-from analysis.skewed import skew, stretch
+from analysis.comparison.refills import SKEWED, TRIED, WANTED, held, refills_row
+from analysis.uncertainty.skewed_scatter import skew, stretch
 
 LOW, HIGH = WANTED, 0.97
 CERTIFIED = 0.008  # relative standard uncertainty of the default rig's instruments

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from rig.beds.stack import refill
-from rig.catalog.rigfile import load_rig
-from rig.grid import conditions
-from rig.model import predict, total_of
-from rig.protocol import load_protocol
-from rig.refills import COUNT, refill_ratios
+from rig.beds.janssen_stack import refill
+from rig.catalog.rig_file import load_rig
+from rig.prediction.model import predict, total_of
+from rig.prediction.refills import COUNT, refill_ratios
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rig.beds.stack import nominal, stack
-from rig.catalog.rigfile import load_rig
-from rig.kernels.row import Rows, cycle, no_events
-from rig.kernels.rows import steady_energy
+from rig.beds.janssen_stack import nominal, stack
+from rig.catalog.rig_file import load_rig
+from rig.kernels.rows.many_rows import steady_energy
+from rig.kernels.rows.one_row import Rows, cycle, no_events
 from rig.kernels.waveform import Array, crossings, extrema, motion
-from rig.scene import Grains, Layers, Scene
+from rig.protocol.spec import Grains, Layers, Scene
 from rig.theory.total import AVERAGED_CYCLES, closed_tier
 
 SINE = (np.ones(1), np.zeros(1))

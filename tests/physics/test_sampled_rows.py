@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rig.beds.stack import nominal, stack
+from rig.beds.janssen_stack import nominal, stack
 from rig.catalog.entries import Rig
-from rig.kernels.row import Rows
-from rig.kernels.rows import steady_energy
-from rig.kernels.sampled import sampled_energy
+from rig.kernels.rows.many_rows import steady_energy
+from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.recorded_motion import sampled_energy
 from rig.kernels.waveform import crossings, extrema
-from rig.scene import Scene
+from rig.protocol.spec import Scene
 from rig.theory.total import closed_tier
 
 OMEGA = 2 * np.pi * 20.0

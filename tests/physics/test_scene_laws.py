@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from strategies import drives, motions, rigs, scenes
 
+from rig.beds.janssen_stack import nominal, stack
 from rig.beds.layers import Layers
-from rig.beds.stack import nominal, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform, viscous_energy
 from rig.errors import InputError
-from rig.ledger import CLOSES, COLUMNS, IN_BED
-from rig.model import predict
-from rig.scene import BUILT_BEDS, Acquire, Condition, Scene
-from rig.stand import Stand
+from rig.prediction.model import predict
+from rig.protocol.spec import BUILT_BEDS, Acquire, Condition, Scene
+from rig.stand.ledger import CLOSES, COLUMNS, IN_BED
+from rig.stand.prescribed import Stand
 from rig.theory.total import plastic_bound
 
 Array = NDArray[np.float64]

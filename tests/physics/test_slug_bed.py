@@ -9,18 +9,18 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from rig.beds.slug import SlugBed, free_gap, slug
-from rig.beds.stack import bed_mass, nominal, refill
-from rig.box import box_mass
+from rig.beds.janssen_stack import bed_mass, nominal, refill
+from rig.beds.single_mass import SlugBed, free_gap, slug
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform, waveform
 from rig.errors import InputError
-from rig.ledger import CLOSES, COLUMNS
-from rig.model import READ, SLUG_LEVELS, misread, predict, predict_about
-from rig.plan import model_row, prediction_document
-from rig.scene import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, Slug
-from rig.stand import Stand
-from rig.theory.slug import plastic_energy
+from rig.prediction.document import model_row, prediction_document
+from rig.prediction.model import READ, SLUG_LEVELS, misread, predict, predict_about
+from rig.protocol.spec import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, Slug
+from rig.stand.box import box_mass
+from rig.stand.ledger import CLOSES, COLUMNS
+from rig.stand.prescribed import Stand
+from rig.theory.single_mass import plastic_energy
 
 CYCLE = 4096
 RATE = CYCLE * 20.0

@@ -8,9 +8,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rig.kernels.slug import MAX_EVENTS, Cycles, State, run, steady, world
+from rig.kernels.single_mass.many_cycles import Cycles, run, steady
+from rig.kernels.single_mass.one_cycle import MAX_EVENTS, State, world
 from rig.kernels.waveform import Array, motion
-from rig.theory import slug as theory
+from rig.theory import single_mass as theory
 
 SINE = (np.ones(1), np.zeros(1))
 THIRD = (np.array([1.0, 0.0, 0.2]), np.array([0.0, 0.0, -0.1]))

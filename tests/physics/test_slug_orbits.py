@@ -4,8 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from rig.kernels.slug import State, Steady, run, steady, world
-from rig.theory import slug as theory
+from rig.kernels.single_mass.many_cycles import Steady, run, steady
+from rig.kernels.single_mass.one_cycle import State, world
+from rig.theory import single_mass as theory
 
 SINE = (np.ones(1), np.zeros(1))
 REST = State(0, 0.0, 0.0)

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal
-from rig.catalog.rigfile import load_rig
-from rig.grid import conditions
-from rig.model import total_of
-from rig.protocol import load_protocol
-from rig.spread import STATED, drawn, model_ratios
+from rig.beds.janssen_stack import nominal
+from rig.catalog.rig_file import load_rig
+from rig.prediction.model import total_of
+from rig.prediction.parameter_uncertainty import STATED, drawn, model_ratios
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1

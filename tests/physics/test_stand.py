@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rig.beds.stack import Filling, nominal, refill, stack
-from rig.box import box_mass
+from rig.beds.janssen_stack import Filling, nominal, refill, stack
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform, waveform
-from rig.ledger import CLOSES, COLUMNS
-from rig.scene import Cavity, Dashpot, Drive, Grains, Layers, Scene
-from rig.stand import Stand
+from rig.protocol.spec import Cavity, Dashpot, Drive, Grains, Layers, Scene
+from rig.stand.box import box_mass
+from rig.stand.ledger import CLOSES, COLUMNS
+from rig.stand.prescribed import Stand
 
 RATE = 4096 * 20.0
 CYCLE = 4096

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rig.beds.stack import nominal
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform
-from rig.scene import Grains, Layers, Scene
-from rig.stand import Replay, Stand
+from rig.protocol.spec import Grains, Layers, Scene
+from rig.stand.prescribed import Replay, Stand
 
 Array = NDArray[np.float64]
 

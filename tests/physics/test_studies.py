@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.study_figures import write_study
-from rig.theory.balance import collision_energy, measured_energy, total_energy
-from rig.theory.studies import STUDIES, study
+from analysis.report.figures.studies import write_study
+from rig.theory.paper.studies import STUDIES, study
+from rig.theory.paper.totals import collision_energy, measured_energy, total_energy
 
 
 @pytest.fixture(scope="module")

@@ -14,12 +14,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import I, Plant, response
-from rig.scene import Amplifier, Drive, Scene
+from rig.protocol.spec import Amplifier, Drive, Scene
+from rig.stand.shaker import CoupledStand
 
 RATE = 10240.0
 STEP = 0.02

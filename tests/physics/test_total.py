@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rig.beds.stack import layer_count, mobile_share, nominal, stack
+from rig.beds.janssen_stack import layer_count, mobile_share, nominal, stack
 from rig.catalog.entries import Rig
 from rig.kernels.chain import rebound
-from rig.model import closed, predict
-from rig.scene import Acquire, Cavity, Condition, Drive, Grains, Scene
+from rig.prediction.model import closed, predict
+from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Scene
 from rig.theory.chain import COLLAPSE, grains_in_row
 from rig.theory.total import paper_collision, plastic_bound
 

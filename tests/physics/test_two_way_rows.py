@@ -8,19 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rig.beds.stack import nominal
-from rig.beds.two_way import TWO_WAY, TwoWay
-from rig.box import box_mass
+from rig.beds.coupled_step import TWO_WAY, TwoWay
+from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
-from rig.coupled import STEPS, CoupledStand
-from rig.drive.command import Command
+from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import response
 from rig.drive.waveform import Waveform
-from rig.kernels.pages import paged, unpaged
-from rig.kernels.two_way import LEANING, Pull, collide
-from rig.ledger import COUPLED_COLUMNS
-from rig.scene import Axis, Drive, Scene, Slug
-from rig.stand import Stand
+from rig.kernels.rows.coupled_step import LEANING, Pull, collide
+from rig.kernels.rows.pages import paged, unpaged
+from rig.protocol.spec import Axis, Drive, Scene, Slug
+from rig.stand.box import box_mass
+from rig.stand.ledger import COUPLED_COLUMNS
+from rig.stand.prescribed import Stand
+from rig.stand.shaker import STEPS, CoupledStand
 
 masses = st.floats(1e-3, 1e3)
 

@@ -10,14 +10,14 @@ ROOT = Path(__file__).parents[2]
 
 OWN = {
     "daq/whole_files.py",  # the writer that all others use
-    "daq/reserve.py",  # room for a session, under its temporary name
-    "daq/writer_lock.py",
+    "daq/session/disk_space.py",  # room for a session, under its temporary name
+    "daq/session/writer_lock.py",
     "daq/formats/reading.py",  # archives and TDMS files of others, whose `open` reads
-    "daq/hdf5_flags.py",  # one byte of a session in place
+    "daq/session/hdf5_flags.py",  # one byte of a session in place
     "daq/regular_files.py",  # opens what it has seen to be a file, for reading
-    "daq/session_hdf5.py",  # a session grows in place; it is created under a temporary name
-    "rig/benchmarks/records.py",  # throw-away files in a folder of the benchmark's own
-    "rig/benchmarks/recording.py",
+    "daq/session/hdf5.py",  # a session grows in place; it is created under a temporary name
+    "rig/benchmarks/problems/records.py",  # throw-away files in a folder of the benchmark's own
+    "rig/benchmarks/problems/recording.py",
 }
 METHODS = {"write_text", "write_bytes", "touch", "tofile"}
 COPIES = {"copyfile", "copy", "copy2", "copytree", "move"}

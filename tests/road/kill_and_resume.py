@@ -17,12 +17,12 @@ import numpy as np
 from small_protocol import SMALL
 
 from daq import open_session
-from daq.session import Record
+from daq.session.record import Record
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 SETS = ("vary={scene.bed: [layers, locked]}", "repeats.n=3", "acquire.settle=4", "acquire.record=150")
 

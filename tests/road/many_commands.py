@@ -61,9 +61,9 @@ def run(words: list[str], folder: Path, stdout: str = "", stderr: str = "") -> d
 
 
 if __name__ == "__main__":
-    for module in ("analysis.report.html", "rig.campaign.importing", *(f"rig.cli.{name}" for name in (
-        "app", "check", "exchange", "model", "replay", "run", "sessions",
-    ))):  # fmt: skip
+    commands = ("check", "exchange", "model", "replay", "run", "sessions")
+    heavy = ("analysis.report.html", "rig.importing.to_session", "rig.cli.app")
+    for module in (*heavy, *(f"rig.cli.commands.{name}" for name in commands)):
         import_module(module)
     gc.collect()
     gc.freeze()  # children share the pages of what is loaded

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from daq.channel import ChannelInfo
-from daq.frontend import FILTER_DELAY
+from daq.chain.channel import ChannelInfo
+from daq.chain.frontend import FILTER_DELAY
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.session import exciter_facts
-from rig.campaign.setup import Campaign
+from rig.campaign.session_plan import exciter_facts
 from rig.catalog.entries import Rig
-from rig.catalog.rigfile import load_rig
-from rig.plan import condition_facts, has_level, prediction_document, predictions
-from rig.protocol import load_protocol
-from rig.scene import Protocol
-from rig.schedule import Run
+from rig.catalog.rig_file import load_rig
+from rig.prediction.document import condition_facts, has_level, prediction_document, predictions
+from rig.protocol.load import load_protocol
+from rig.protocol.schedule import Run
+from rig.protocol.spec import Protocol
 
 OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
 """Terms of the offset that are there whatever the instruments do."""
@@ -81,7 +81,7 @@ class MemoryTruth:
 
 
 class MemoryRecord:
-    """The record API (analysis.record.Record) over the codes that a campaign delivers."""
+    """The record API (analysis.session.record.Record) over the codes that a campaign delivers."""
 
     synthetic = True
 

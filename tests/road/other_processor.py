@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.session import open_session
+from daq.session.record import open_session
 
 SHORT = ("fill_rate", "--set", "repeats.n=1")
 

@@ -29,10 +29,10 @@ for name in ("sin", "cos", "tan", "exp", "exp2", "expm1", "log", "log2", "log10"
 PROGRAM = """
 import hashlib, sys
 from rig.campaign.resolve import campaign_of
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.plan import prediction_document, predictions
-from rig.protocol import load_protocol
+from rig.campaign.campaign import Campaign
+from rig.catalog.rig_file import load_rig
+from rig.prediction.document import prediction_document, predictions
+from rig.protocol.load import load_protocol
 
 protocol = load_protocol("nulls", sets=sys.argv[1:])
 campaign = campaign_of(protocol, load_rig(protocol.rig))

@@ -11,13 +11,13 @@ import pytest
 from small_protocol import IDEAL, SMALL
 
 from analysis import read_session, write_report
-from daq.session import open_session
+from daq.session.record import open_session
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
-from rig.protocol import load_protocol
+from rig.protocol.load import load_protocol
 
 
 def campaign(sets: tuple[str, ...] = (), seed: int | None = None) -> Campaign:

@@ -14,11 +14,11 @@ from memory_session import OUTSIDE_THE_INSTRUMENTS, MemoryRecord, Plan
 from scipy import stats
 
 from analysis import read_session, run_energy
-from analysis.ledger_columns import DISSIPATED
-from analysis.runs import RunEnergy
-from rig.cases import cases
-from rig.grid import conditions
-from rig.protocol import load_protocol
+from analysis.results.run import RunEnergy
+from analysis.session.ledger_columns import DISSIPATED
+from rig.campaign.claim_cases import cases
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1

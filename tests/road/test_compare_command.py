@@ -8,8 +8,8 @@ import pytest
 from jsonschema import Draft202012Validator
 from small_protocol import Rig
 
-from analysis.report.shape import COMPARED, comparison_schema
-from daq.shapes import deviations
+from analysis.report.json_schema import COMPARED, comparison_schema
+from daq.documents.shapes import deviations
 
 FILES = {"comparison.json", "comparison.csv", "comparison.md", "comparison.html"}
 PROTOCOL = """\

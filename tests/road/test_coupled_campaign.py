@@ -7,15 +7,15 @@ from typing import Any
 import pytest
 
 from analysis import read_session
-from daq.session import open_session
-from rig.beds.stack import nominal
-from rig.campaign.dwelling import Dwelling
-from rig.campaign.preflight import outlook
+from daq.session.record import open_session
+from rig.beds.janssen_stack import nominal
+from rig.campaign.before.outlook import outlook
+from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.coupled_dwell import Dwelling
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 FEW = """\
 schema: rig/protocol/1

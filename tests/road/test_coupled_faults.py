@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 SHIPPED = Path(__file__).parents[2] / "protocols" / "coupled_fill.yaml"
 FAULTS = """\

@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rig.beds.stack import nominal
+from rig.beds.janssen_stack import nominal
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.drive.amplifier_command import Command
 from rig.drive.dwell import phasors
-from rig.ledger import COLUMNS
-from rig.protocol import load_protocol
+from rig.protocol.load import load_protocol
+from rig.stand.ledger import COLUMNS
+from rig.stand.shaker import CoupledStand
 
 SLUG = """\
 schema: rig/protocol/1

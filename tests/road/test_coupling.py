@@ -7,9 +7,9 @@ from small_protocol import IDEAL
 
 from daq import open_session
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1

@@ -13,7 +13,7 @@ from memory_session import OUTSIDE_THE_INSTRUMENTS, Plan
 from scipy import stats
 
 from analysis import read_session, run_energy
-from analysis.ledger_columns import DISSIPATED
+from analysis.session.ledger_columns import DISSIPATED
 
 TEXT = """\
 schema: rig/protocol/1

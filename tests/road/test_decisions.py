@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rig import shipped
-from rig.campaign.decisions import Decision
-from rig.campaign.preflight import decided, preflight
+from rig.campaign.before.decisions import Decision
+from rig.campaign.before.outlook import decided, preflight
 from rig.campaign.resolve import campaign_of
-from rig.catalog.rigfile import load_rig
+from rig.catalog.rig_file import load_rig
 from rig.cli.app import app
-from rig.protocol import load_protocol
+from rig.protocol import shipped
+from rig.protocol.load import load_protocol
 
 TEXT = """\
 schema: rig/protocol/1

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 PROTOCOL = Path(__file__).resolve().parents[2] / "protocols" / "density.yaml"
 

@@ -20,15 +20,15 @@ from daq import open_session
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import Wave
 from daq.formats.writing import sep005
-from rig.campaign.importing import import_records
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.cli.exchange import exported_waves
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.cli.commands.exchange import exported_waves
 from rig.errors import InputError
-from rig.grid import conditions
-from rig.mapping import read_mapping
-from rig.protocol import load_protocol
+from rig.importing.mapping import read_mapping
+from rig.importing.to_session import import_records
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "your_own_data"
 
@@ -262,7 +262,7 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
     more = 'csv: {delimiter: ";"}\ntime: {channel: "t [s]"}\nscene: {grains: {diameter: 4 mm, fill: 85 %}}\n'
     imported(tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=more))
     from analysis import read_session
-    from rig.model import predict
+    from rig.prediction.model import predict
 
     with open_session(tmp_path / "s.h5") as record:
         row = read_session(record)["conditions"][0]

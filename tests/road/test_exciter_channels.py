@@ -8,20 +8,20 @@ import pytest
 from small_protocol import SMALL
 
 from analysis import read_session
-from daq.session import open_session
-from rig.beds.stack import nominal
+from daq.session.record import open_session
+from rig.beds.janssen_stack import nominal
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.drive.channels import WithExciter
-from rig.drive.exciter import demand, solvable_band
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.drive.exciter_limits import demand, solvable_band
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
-from rig.grid import conditions
-from rig.protocol import load_protocol
-from rig.scene import Scene
-from rig.stand import Stand
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
+from rig.protocol.spec import Scene
+from rig.stand.exciter_channels import WithExciter
+from rig.stand.prescribed import Stand
 
 FOUR = ("acquire.exciter_channels=true",)
 IDEAL = (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.corrected_signal import CorrectedSignal
+from analysis.signals.corrected_signal import CorrectedSignal
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import CHUNK, RecordedSignal, Wave
 from daq.formats.writing import write_csv

@@ -12,17 +12,17 @@ import scipy.io
 
 from analysis import read_session
 from daq import open_session
-from daq.block import Flag
+from daq.chain.block import Flag
 from daq.formats.wave import FormatError
-from rig import shipped
-from rig.campaign.importing import import_records
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.cli.exchange import export_session
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.cli.commands.exchange import export_session
 from rig.errors import InputError
-from rig.mapping import read_mapping
-from rig.protocol import load_protocol
+from rig.importing.mapping import read_mapping
+from rig.importing.to_session import import_records
+from rig.protocol import shipped
+from rig.protocol.load import load_protocol
 
 PROTOCOLS = Path(__file__).parents[2] / "protocols"
 SHORT = ("repeats=1", "acquire.settle=4", "acquire.record=6")

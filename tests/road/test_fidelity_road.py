@@ -11,21 +11,22 @@ import pytest
 from small_protocol import IDEAL, Rig
 
 from analysis import write_report
-from analysis.report.fidelity import fidelity_sentences
-from daq.session import Recorder, open_session
-from rig.beds.stack import nominal, stack
-from rig.campaign.peaks import use_of
-from rig.campaign.preflight import preflight
+from analysis.report.tables.fidelity import fidelity_sentences
+from daq.session.record import open_session
+from daq.session.writer import Recorder
+from rig.beds.janssen_stack import nominal, stack
+from rig.campaign.before.outlook import preflight
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.session import session_plan
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
+from rig.campaign.runner import run
+from rig.campaign.session_plan import session_plan
+from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
-from rig.model import closed
-from rig.protocol import dump_protocol, load_protocol
-from rig.stand import Stand
+from rig.prediction.model import closed
+from rig.protocol.load import dump_protocol, load_protocol
+from rig.stand.force_peaks import use_of
+from rig.stand.prescribed import Stand
 
 TEXT = """\
 schema: rig/protocol/1

@@ -12,9 +12,9 @@ import pytest
 from small_protocol import SMALL, Rig
 
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 DAQ_TESTS = Path(__file__).parent.parent / "daq"
 SETS = ("vary={scene.bed: [layers, locked]}", "acquire.settle=2", "acquire.record=6")
@@ -140,8 +140,8 @@ def test_the_validator_lists_everything_at_once(rig_command: Rig, session: Path,
 WATCHED = """
 import os, signal, sys, time
 from pathlib import Path
-from rig.cli.watch import go_on_watched
-from daq.patience import limited
+from rig.cli.terminal.watch import go_on_watched
+from daq.session.time_limit import limited
 go_on_watched(Path("theirs.h5"))
 print("child", flush=True)
 {then}

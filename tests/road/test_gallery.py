@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from daq.session import open_session
+from daq.session.record import open_session
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
-from rig.grid import conditions
-from rig.practice import BadPractice
-from rig.protocol import dump_protocol, load_protocol
+from rig.protocol.deliberate_errors import BadPractice
+from rig.protocol.grid import conditions
+from rig.protocol.load import dump_protocol, load_protocol
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted((ROOT / "protocols" / "gallery").glob("*.yaml"))
@@ -117,7 +117,7 @@ def test_codes_do_not_hang_on_the_number_of_workers(kind: str, tmp_path: Path) -
 
 def test_the_analysis_needs_no_truth_to_read_wrongly_or_rightly(tmp_path: Path) -> None:
     """The record says what was done; without the ledger the right W is not known, and said so."""
-    from analysis.reading import read_session
+    from analysis.pipeline import read_session
 
     class Blind:
         """A record whose truth was deleted."""

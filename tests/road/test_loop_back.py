@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 from small_protocol import IDEAL, SMALL
 
-from analysis.loop_back import LoopBack, loop_back_nulls
+from analysis.comparison.loop_back import LoopBack, loop_back_nulls
 from daq import open_session
-from rig.campaign.replaying import replay
+from rig.campaign.replayer import replay
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 ONE = ("vary={}", "scene.bed=loop_back", "repeats.n=3")
 MEASURED = 1.5e-5  # rad: U of ANGLE_RESOLUTION (5e-6) and of the noise (2e-7 a run at half of 1 V), with room for k

@@ -13,16 +13,16 @@ import pytest
 from small_protocol import IDEAL
 
 from analysis import read_session
-from analysis.ledger_columns import TERMS
-from analysis.offset import LARGEST_REMAINDER
-from daq.session import open_session
-from rig.campaign.calibrate import calibrated
+from analysis.comparison.offset_terms import LARGEST_REMAINDER
+from analysis.session.ledger_columns import TERMS
+from daq.session.record import open_session
+from rig.campaign.campaign import Campaign
+from rig.campaign.loss_calibration import calibrated
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
-from rig.protocol import load_protocol
+from rig.protocol.load import load_protocol
 
 PROTOCOL = """\
 schema: rig/protocol/1

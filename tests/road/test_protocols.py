@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
+from rig.campaign.claim_cases import cases
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.cases import cases
-from rig.catalog.rigfile import load_rig
-from rig.grid import conditions
-from rig.protocol import dump_protocol, load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.grid import conditions
+from rig.protocol.load import dump_protocol, load_protocol
 
 FOLDER = Path(__file__).parents[2] / "protocols"
 FILES = sorted(FOLDER.glob("*.yaml"))

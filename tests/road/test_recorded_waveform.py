@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 from small_protocol import SMALL
 
+from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 IDEAL = (
     "acquire.analyzer=ideal", "acquire.sensors={force: ideal, acceleration: ideal}", "drive.imperfection=none",

@@ -8,15 +8,15 @@ import pytest
 from small_protocol import SMALL, Rig
 
 from daq import open_session
-from daq.clock import NEVER_LATE
-from daq.session import Recorder
-from daq.session_copy import plan_of
-from rig.campaign.replaying import replay
+from daq.chain.clock import NEVER_LATE
+from daq.session.copy import plan_of
+from daq.session.writer import Recorder
+from rig.campaign.campaign import Campaign
+from rig.campaign.replayer import replay
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.catalog.rigfile import load_rig
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.protocol.load import load_protocol
 
 REPORTS = ("report.json", "report.csv", "report.md", "report.html")
 
@@ -73,7 +73,7 @@ def test_without_a_folder_the_report_is_returned_and_nothing_written(session: Pa
 def test_an_incomplete_session_is_replayed_as_far_as_it_goes(session: Path, tmp_path: Path) -> None:
     with open_session(session / "session.h5") as record, Recorder.create(tmp_path / "cut.h5", plan_of(record)) as part:
         first = min(record.runs, key=lambda info: info.order)
-        from daq.replay import Replayed
+        from daq.chain.replay import Replayed
 
         acquisition = Replayed(record, first.name)
         part.append(first.name, acquisition.read(acquisition.sizes[0]))
@@ -113,7 +113,7 @@ def test_every_block_waits_for_its_time(session: Path, monkeypatch: pytest.Monke
         def wait(self, sample: int) -> None:
             waited.append((*self.pace, sample))
 
-    monkeypatch.setattr("rig.campaign.replaying.Pacer", Waiting)
+    monkeypatch.setattr("daq.chain.clock.Pacer", Waiting)
     replay(session / "session.h5", speed=3.0)
     with open_session(session / "session.h5") as record:
         runs = sorted(record.runs, key=lambda run: run.order)

@@ -7,8 +7,8 @@ import pytest
 from jsonschema import Draft202012Validator
 from small_protocol import SMALL
 
-from analysis.report.shape import REPORT, report_schema
-from daq.shapes import deviations
+from analysis.report.json_schema import REPORT, report_schema
+from daq.documents.shapes import deviations
 from rig import load_protocol, run
 
 ROOT = Path(__file__).parents[2]

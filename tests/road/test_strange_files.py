@@ -26,9 +26,10 @@ from daq.formats.sidecar import read_sidecar
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import FormatError, Wave
 from daq.formats.writing import write_csv
-from daq.session import SessionError, open_session
+from daq.session.plan import SessionError
+from daq.session.record import open_session
 from rig.errors import InputError
-from rig.mapping import read_mapping
+from rig.importing.mapping import read_mapping
 
 NAME = "\udcff\udc80 ä力±"
 """A name that is no UTF-8, with a space and letters that a terminal may lack."""

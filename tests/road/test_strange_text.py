@@ -15,17 +15,18 @@ from hypothesis import strategies as st
 from small_protocol import SMALL
 from strange import clean, hostile, shape_of, swapped
 
-from daq.session import SessionError, open_session
+from daq.session.plan import SessionError
+from daq.session.record import open_session
 from daq.strange_text import cell_text, json_text, visible
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.cli.exchange import export_session
-from rig.cli.sessions import compare_sessions, report_sessions, session_info, validate_session
-from rig.cli.tables import Terminal, table
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.cli.commands.exchange import export_session
+from rig.cli.commands.sessions import compare_sessions, report_sessions, session_info, validate_session
+from rig.cli.terminal.tables import Terminal, table
 from rig.errors import InputError
-from rig.mapping import read_mapping
-from rig.protocol import load_protocol
+from rig.importing.mapping import read_mapping
+from rig.protocol.load import load_protocol
 
 FREE = ("small", "stainless", "question", "claim", "default", "not stated", "recorded by others")
 """Text of the session's documents that is free; the same everywhere."""

@@ -9,17 +9,17 @@ from rich.console import Console
 from small_protocol import SMALL
 
 from analysis import run_energy
-from daq.block import Flag
-from daq.clock import Overrun, Pacer, Punctuality
-from daq.session import open_session
+from daq.chain.block import Flag
+from daq.chain.clock import Overrun, Pacer, Punctuality
+from daq.session.record import open_session
+from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.live import Look
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.campaign.setup import Campaign
-from rig.campaign.watching import Look
-from rig.catalog.rigfile import load_rig
-from rig.cli.live import LiveView, lines_of, timing
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.cli.terminal.live import LiveView, lines_of, timing
 from rig.errors import InputError
-from rig.protocol import load_protocol
+from rig.protocol.load import load_protocol
 
 
 def campaign(*sets: str) -> Campaign:
@@ -95,7 +95,7 @@ def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeyp
     """A million times the speed, no margin: the first late block is recorded with its flag, the run is incomplete."""
     made = campaign(*ONE, "acquire.record=400 cycles")
     with monkeypatch.context() as patched:
-        patched.setattr("rig.campaign.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+        patched.setattr("daq.chain.clock.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
         with pytest.raises(Overrun, match="slower speed"):
             run(made, tmp_path, speed=1e6)
     with open_session(tmp_path / "session.h5") as record:
@@ -153,7 +153,7 @@ def test_pacing_changes_no_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     with monkeypatch.context() as patched:
         patched.setattr(
-            "rig.campaign.part.Pacer",
+            "daq.chain.clock.Pacer",
             lambda rate, speed: Pacer(rate, speed, margin=1e-9, clock=lambda: now[0], sleep=sleep),
         )
         report = run(

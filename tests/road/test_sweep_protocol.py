@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.energy.sweep import fundamentals, shift
 from analysis.report import wording
-from analysis.report.sweep_figure import sweep_plot
-from analysis.sweep import fundamentals, shift
-from rig.beds.stack import nominal
-from rig.campaign.look import look_coupled
+from analysis.report.figures.sweep import sweep_plot
+from rig.beds.janssen_stack import nominal
+from rig.campaign.before.dry_run import look_coupled
 from rig.campaign.resolve import campaign_of
-from rig.campaign.running import run
-from rig.catalog.rigfile import load_rig
-from rig.cli.check import check_protocol
-from rig.coupled import CoupledStand
+from rig.campaign.runner import run
+from rig.catalog.rig_file import load_rig
+from rig.cli.commands.check import check_protocol
 from rig.drive.electrodynamic import response
 from rig.errors import InputError
-from rig.protocol import load_protocol
+from rig.protocol.load import load_protocol
+from rig.stand.shaker import CoupledStand
 
 SWEEP = """\
 schema: rig/protocol/1

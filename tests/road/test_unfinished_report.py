@@ -11,9 +11,9 @@ from small_protocol import SMALL
 
 from analysis import write_report
 from daq.whole_files import UNFINISHED
-from rig.campaign.running import run
-from rig.cli import sessions
-from rig.protocol import load_protocol
+from rig.campaign.runner import run
+from rig.cli.commands import sessions
+from rig.protocol.load import load_protocol
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills a forked process")
 

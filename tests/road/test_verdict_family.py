@@ -17,7 +17,7 @@ from memory_session import MemoryRecord, Plan
 from scipy import stats
 
 from analysis import read_session
-from daq.channel import ChannelInfo
+from daq.chain.channel import ChannelInfo
 
 FAILING, FOUND = 0.05, 0.95
 TEXT = """\

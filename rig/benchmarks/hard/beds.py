@@ -7,17 +7,17 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.beds.stack import Filling, nominal, stack
+from rig.beds.janssen_stack import Filling, nominal, stack
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.catalog.entries import Rig
-from rig.catalog.rigfile import load_rig
+from rig.catalog.rig_file import load_rig
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
-from rig.grid import conditions
-from rig.ledger import COLUMNS
-from rig.model import Prediction, predict
-from rig.scene import Acquire, Cavity, Condition, Drive, Grains, Layers, Protocol, Scene
-from rig.stand import Stand
+from rig.prediction.model import Prediction, predict
+from rig.protocol.grid import conditions
+from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Layers, Protocol, Scene
+from rig.stand.ledger import COLUMNS
+from rig.stand.prescribed import Stand
 from rig.theory.friction import janssen_length
 from rig.theory.total import closed_tier
 

@@ -4,7 +4,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from daq.seeds import stream
+from daq.random_streams import stream
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import precise
 from rig.kernels.chain import MOST_HITS, collide_file

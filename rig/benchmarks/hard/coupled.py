@@ -1,4 +1,4 @@
-"""Hard cases of the coupled drive: exciter, stinger, box and bed move each other (`rig.coupled`)."""
+"""Hard cases of the coupled drive: exciter, stinger, box and bed move each other (`rig.stand.shaker`)."""
 
 import math
 from dataclasses import replace
@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.beds.stack import bed_mass, nominal
+from rig.beds.janssen_stack import bed_mass, nominal
 from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
-from rig.box import box_mass
 from rig.catalog.entries import Exciter, Rig
-from rig.catalog.rigfile import load_rig
-from rig.coupled import CoupledStand
-from rig.drive.command import Command
+from rig.catalog.rig_file import load_rig
+from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import VA, VB, XA, XB, Plant, V, X, propagator
-from rig.ledger import COUPLED_COLUMNS
-from rig.scene import Amplifier, Cavity, Drive, Grains, Layers, Scene, Slug
+from rig.protocol.spec import Amplifier, Cavity, Drive, Grains, Layers, Scene, Slug
+from rig.stand.box import box_mass
+from rig.stand.ledger import COUPLED_COLUMNS
+from rig.stand.shaker import CoupledStand
 
 Array = NDArray[np.float64]
 

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.beds.bed import Bed
+from rig.beds.janssen_stack import Stack
 from rig.beds.layers import Layers
 from rig.beds.rigid import Dashpot, Locked
-from rig.beds.slug import SlugBed
-from rig.beds.stack import Stack
+from rig.beds.single_mass import SlugBed
 from rig.benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
-from rig.theory.slug import Slug
+from rig.theory.single_mass import Slug
 
 Array = NDArray[np.float64]
 

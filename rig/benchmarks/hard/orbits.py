@@ -1,16 +1,17 @@
-"""Hard cases of the orbits of rows: what is averaged, and for how long (`rig.kernels.rows`, m (A/w)^2 for energies)."""
+"""Hard cases of the orbits of rows: what is averaged, and for how long (`rig.kernels.rows.many_rows`, m (A/w)^2 for
+energies)."""
 
 import math
 from decimal import Decimal
 
 import numpy as np
 
-from daq.seeds import stream
+from daq.random_streams import stream
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import plastic_row, precise
 from rig.benchmarks.hard.sliders import closed_form, followed, one_row, steady
-from rig.kernels.row import MAX_EVENTS
-from rig.kernels.rows import LONGEST_SPAN
+from rig.kernels.rows.many_rows import LONGEST_SPAN
+from rig.kernels.rows.one_row import MAX_EVENTS
 from rig.kernels.waveform import extrema, motion
 
 SEED = 2015

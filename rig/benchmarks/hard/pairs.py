@@ -6,11 +6,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.seeds import stream
+from daq.random_streams import stream
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
-from rig.theory import collision, literal
+from rig.theory import collision
 from rig.theory.collision import Bodies, Contact, collide, local_axes, normals
-from rig.theory.errata import random_hits
+from rig.theory.paper import literal
+from rig.theory.paper.errata import random_hits
 
 Array = NDArray[np.float64]
 

@@ -1,17 +1,17 @@
-"""Hard cases of one row of bed `layers`, event by event: `rig.kernels.row` (m (A/w)^2 for energies)."""
+"""Hard cases of one row of bed `layers`, event by event: `rig.kernels.rows.one_row` (m (A/w)^2 for energies)."""
 
 import math
 from decimal import Decimal
 
 import numpy as np
 
-from daq.seeds import stream
+from daq.random_streams import stream
 from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, arcsine, bounces, precise
 from rig.benchmarks.hard.sliders import SINE, STUCK, Wave, block, closed_form, followed, one_row, steady
-from rig.kernels.row import MAX_EVENTS
-from rig.kernels.rows import steady_energy
+from rig.kernels.rows.many_rows import steady_energy
+from rig.kernels.rows.one_row import MAX_EVENTS
 from rig.kernels.waveform import extrema, motion
 from rig.theory.total import TooManyEvents, closed_tier
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.benchmarks.hard.exact import PI, Flight, arcsine
-from rig.kernels.row import Cycle, Rows, cycle, no_events
-from rig.kernels.rows import steady_energy
+from rig.kernels.rows.many_rows import steady_energy
+from rig.kernels.rows.one_row import Cycle, Rows, cycle, no_events
 from rig.kernels.waveform import crossings, extrema
 
 Array = NDArray[np.float64]

@@ -1,4 +1,5 @@
-"""Hard cases of bed `slug`: `rig.kernels.slug`, units of the waveform (m (A/w)^2 for energies, A/g for levels)."""
+"""Hard cases of bed `slug`: `rig.kernels.single_mass.many_cycles`, units of the waveform (m (A/w)^2 for energies, A/g
+for levels)."""
 
 import math
 from dataclasses import replace
@@ -8,14 +9,15 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.seeds import stream
+from daq.random_streams import stream
 from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, bounces, cosine_and_sine, precise, root, slug_on_floor
 from rig.benchmarks.hard.sliders import STUCK, block
-from rig.kernels.slug import MAX_EVENTS, Cycles, State, Steady, run, steady, world
+from rig.kernels.single_mass.many_cycles import Cycles, Steady, run, steady
+from rig.kernels.single_mass.one_cycle import MAX_EVENTS, State, world
 from rig.kernels.waveform import extrema, motion
-from rig.theory.slug import Slug, slug_total
+from rig.theory.single_mass import Slug, slug_total
 from rig.theory.total import TooManyEvents
 
 Array = NDArray[np.float64]

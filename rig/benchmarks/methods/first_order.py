@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from rig.benchmarks.methods.method import Method, Work
-from rig.benchmarks.sliders import Slider
+from rig.benchmarks.problems.sliders import Slider
 from rig.kernels.waveform import Array
 
 LADDER = (100, 400, 1600, 6400, 25600, 102400, 409600)

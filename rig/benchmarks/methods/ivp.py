@@ -10,7 +10,7 @@ from functools import partial
 from scipy.integrate import solve_ivp
 
 from rig.benchmarks.methods.method import Failed, Method, Work
-from rig.benchmarks.sliders import Slider
+from rig.benchmarks.problems.sliders import Slider
 
 TWO_PI = 2.0 * math.pi
 CHATTER = 1e-6

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from rig.benchmarks.sliders import Slider
+from rig.benchmarks.problems.sliders import Slider
 
 
 class Work(NamedTuple):

@@ -1,6 +1,7 @@
 """The rig's own way: from event to event, closed form between them, phases by safeguarded Newton and Halley steps.
 
-Sliders are the rows of bed `layers` (rig.kernels.row), masses with weight the slug (rig.kernels.slug_cycle).
+Sliders are the rows of bed `layers` (rig.kernels.rows.one_row), masses with weight the slug
+(rig.kernels.single_mass.one_cycle).
 """
 
 import math
@@ -10,12 +11,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rig.benchmarks.methods.method import Failed, Method, Work
-from rig.benchmarks.sliders import WIDE, Slider
+from rig.benchmarks.problems.sliders import WIDE, Slider
 from rig.kernels.borrowed import borrowed
-from rig.kernels.row import cycle, no_events
-from rig.kernels.slug_cycle import Events, World, world
-from rig.kernels.slug_cycle import cycle as slug_cycle
-from rig.kernels.slug_cycle import no_events as slug_room
+from rig.kernels.rows.one_row import cycle, no_events
+from rig.kernels.single_mass.one_cycle import Events, World, world
+from rig.kernels.single_mass.one_cycle import cycle as slug_cycle
+from rig.kernels.single_mass.one_cycle import no_events as slug_room
 from rig.kernels.waveform import Array, crossings, extrema
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 
 from rig.benchmarks.methods.method import Failed, Method, Work
-from rig.benchmarks.sliders import Slider
-from rig.kernels.rows import HISTORY, find_recurrence
+from rig.benchmarks.problems.sliders import Slider
+from rig.kernels.rows.many_rows import HISTORY, find_recurrence
 from rig.kernels.waveform import Array
 
 TWO_PI = 2.0 * math.pi

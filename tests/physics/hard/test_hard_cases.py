@@ -7,7 +7,7 @@ import pytest
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
 from rig.benchmarks.hard.suite import CASES, outcome
 from rig.benchmarks.stability import PAGE, differences, page
-from rig.theory.slug import Slug, slug_total
+from rig.theory.single_mass import Slug, slug_total
 from rig.theory.total import TooManyEvents
 
 

@@ -1,0 +1,1 @@
+"""A session against its prediction: agreement, null tests, claims, verdict."""

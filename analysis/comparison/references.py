@@ -1,0 +1,227 @@
+"""References: what is known without a model must be measured as it is known.
+
+Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase is the null test's);
+where the acceleration is read at the stinger's other end, once the stinger is taken off.
+Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Phase: where the rig's own ledger is known, W_exp of
+rigid masses differs from it by one scale and one angle. A light box whose losses exceed its inertia hides milliradians
+in a W that is known to 1.6 %, and in a null of few runs, but not in how W_exp differs from level to level.
+Signs: masses and energies are positive, force and acceleration of the size that was set.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.comparison.family_of_tests import FAILS, Zero, sign_tests
+from analysis.results.condition import Result
+from analysis.results.run import RunEnergy
+from analysis.session.record import ChannelFacts
+from analysis.session.setting import Setting
+from analysis.uncertainty.budget import (
+    ANGLE_RESOLUTION,
+    CERTIFICATE_NU,
+    RESOLUTION,
+    certificate_lines,
+    combine,
+    resolution_lines,
+    scatter_line,
+)
+from analysis.uncertainty.estimate import Estimate
+
+__all__ = ["Reference", "references", "signs"]
+
+SWAPPED = "force and acceleration seem swapped"
+REVERSED = "a sign is reversed: the apparent mass is negative"
+NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is negative"
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad) or "signs" (nothing
+    measured).
+    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
+    tested: what it puts into that family."""
+
+    reference: str
+    of: str
+    unit: str
+    value: float | None
+    expected: float | None
+    U: float | None
+    verdict: str
+    why: str
+    tested: tuple[Zero, ...] = ()
+
+    def judged(self, limit: float) -> "Reference":
+        """The same, that does not hold where a score is beyond the family's critical one."""
+        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
+
+    def row(self) -> dict[str, Any]:
+        """The report's entry."""
+        return {name: getattr(self, name) for name in self.__slots__ if name != "tested"}
+
+
+def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:
+    """All references that the conditions allow, but the signs."""
+    rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
+    damped: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
+    empty = {_level(r.setting): r for r in results if r.setting.is_empty}
+    for result in results:
+        setting = result.setting
+        known = setting.box_mass + setting.gauge_mass + setting.bed_mass > 0
+        if known and (setting.is_empty or setting.is_bonded):
+            of = "empty box" if setting.is_empty else "bonded bed"
+            rigid[of, setting.bed_mass, setting.frequency, *setting.places].append(result)
+        elif setting.bed == "dashpot" and setting.dashpot_c is not None and not setting.through_stinger:
+            damped[setting.dashpot_c, setting.frequency, *setting.places].append(result)
+    return (
+        *(_mass(of, found, channels) for (of, *_), found in rigid.items() if _told(found)),
+        *(_dashpot(c, found, empty, channels) for (c, *_), found in damped.items()),
+        *(_phase(found) for found in _rigid_with_ledger(results) if len(found) > 1),
+    )
+
+
+def _rigid_with_ledger(results: Sequence[Result]) -> Iterable[list[Result]]:
+    """Conditions in which nothing slides and whose losses are known, by frequency and place of the instruments."""
+    groups: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
+    for result in results:
+        setting = result.setting
+        if result.chain is not None and (setting.is_empty or setting.is_bonded) and not setting.through_stinger:
+            groups[setting.frequency, *setting.places].append(result)
+    return groups.values()
+
+
+def _phase(results: Sequence[Result]) -> Reference:
+    """The angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at least two conditions.
+
+    Generalised least squares: the scales, and what else the certificates leave, are errors that all conditions share;
+    noise and arithmetic are each condition's own. Where W/R is the same in all, angle and scale cannot be told apart,
+    and u says so.
+    """
+    apart = np.array([result.chain.value for result in results if result.chain is not None])
+    W, R = (np.array([result.mean(name) for result in results]) for name in ("W", "reactive"))
+    noise = [math.hypot(*(run.u_noise for run in result.runs)) / len(result.runs) for result in results]
+    covariance = np.diag(np.square(noise) + (RESOLUTION * W) ** 2 + (ANGLE_RESOLUTION * R) ** 2)
+    scales: dict[str, NDArray[np.float64]] = defaultdict(lambda: np.zeros(len(results)))
+    angles: dict[str, tuple[float, float]] = {}
+    for i, result in enumerate(results):
+        for line in (line for line in result.lines if line.shared):
+            scales[line.source][i] = (line.c - line.turn * R[i]) * line.u
+            angles[line.source] = line.turn * line.u, line.nu
+    for part in scales.values():
+        covariance += np.outer(part, part)
+    weighted = np.linalg.solve(covariance, R)
+    angle, fitted = float(weighted @ apart / (weighted @ R)), float(weighted @ R) ** -0.5
+    u = combine(angle, [(fitted, math.inf), *angles.values()])
+    shared = {source: part for source, (part, _) in angles.items()}
+    of = f"rigid, {results[0].setting.frequency:g} Hz"
+    return _held("phase", of, "rad", angle, 0.0, u, f" (W_exp against the ledger of {len(results)} conditions)", shared)
+
+
+def _level(setting: Setting) -> tuple[Any, ...]:
+    """What the empty box shares with the condition that it is taken off from."""
+    return setting.frequency, setting.acceleration_set, *setting.places
+
+
+def _told(results: Sequence[Result]) -> bool:
+    """Whether the readings tell of the box: not behind a stinger of which nothing is known."""
+    return not results[0].setting.through_stinger or all(r.at_box is not None for each in results for r in each.runs)
+
+
+def _held(
+    reference: str, of: str, unit: str, value: float, expected: float, u: Estimate, note: str,
+    shared: Mapping[str, float],
+) -> Reference:  # fmt: skip
+    share = abs(value - expected) / u.U
+    verdict = "holds" if share <= 1 else "undecided"
+    side = "within" if share <= 1 else "beyond"
+    why = f"{value:.5g} {unit} against {expected:.5g} {unit}, {side} U = {u.U:.2g} {unit}{note}"
+    tested = (Zero(replace(u, value=value - expected), shared),)
+    return Reference(reference, of, unit, value, expected, u.U, verdict, why, tested)
+
+
+def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
+    setting = results[0].setting
+    runs = [run for result in results for run in result.runs]
+    at_box = [run.at_box for run in runs if run.at_box is not None] if setting.through_stinger else []
+    masses = [one.M_eff for one in at_box] or [run.energy.M_eff for run in runs]
+    mean = math.fsum(masses) / len(masses)
+    force, acceleration = channels["force"], channels["acceleration"]
+    # F/a: of W's budget for one joule the force scales it by +1, the acceleration by 1 - n with n = 2.
+    lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0, mean, 2.0)
+    scales = {line.source: (line.part - line.part_T, line.nu) for line in lines if line.source != "clock"}
+    expected, where = setting.box_mass + setting.gauge_mass + setting.bed_mass, ""
+    if at_box:
+        expected, where = expected - setting.gauge_mass, ", brought to the box"
+        scales["stinger stiffness"] = math.fsum(one.M_stiffness for one in at_box) / len(at_box), CERTIFICATE_NU
+    scatter = [(line.part, line.nu) for line in scatter_line(masses)]
+    u = combine(mean, [*scales.values(), *scatter, (RESOLUTION * mean, math.inf)])
+    shared = {source: part for source, (part, _) in scales.items()}
+    found = _held("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs{where})", shared)
+    # One filling does not tell how fillings differ in mass: it may be beyond U, and fails nothing.
+    return replace(found, tested=()) if setting.is_bonded and len(masses) == 1 else found
+
+
+def _dashpot(
+    c: float, results: Sequence[Result], empty: Mapping[tuple[Any, ...], Result],
+    channels: Mapping[str, ChannelFacts],
+) -> Reference:  # fmt: skip
+    frequency = results[0].setting.frequency
+    omega = 2 * math.pi * frequency
+    n = len(results)
+    tares = [empty.get(_level(result.setting)) for result in results]
+    known = [tare for tare in tares if tare is not None]
+    whole = len(known) == n
+    squares = [math.fsum(run.energy.level**2 for run in r.runs) / len(r.runs) for r in results]
+    expected = math.fsum(math.pi * c * square / omega**3 for square in squares) / n
+    own = math.fsum(_less(r, tare, "W") for r, tare in zip(results, tares, strict=True)) / n
+    reactive = math.fsum(_less(r, tare, "reactive") for r, tare in zip(results, tares, strict=True)) / n
+    lines = (
+        *certificate_lines(channels["force"], channels["acceleration"], frequency, own, reactive, expected, 2.0),
+        *resolution_lines(own, reactive),
+    )
+    scatter = [line for r in (*results, *known) for line in scatter_line([run.energy.W for run in r.runs])]
+    u = combine(
+        own - expected,
+        [*((line.part - line.part_T, line.nu) for line in lines), *((line.part / n, line.nu) for line in scatter)],
+    )
+    note = "; the empty box's is taken off" if whole else "; no empty box was measured at every one of its levels"
+    shared = {line.source: line.part - line.part_T for line in lines}
+    found = _held("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note, shared)
+    return found if whole else replace(found, tested=())  # without: the box's own losses are in it
+
+
+def _less(result: Result, tare: Result | None, name: str) -> float:
+    """Mean of an energy less the empty box's, brought to the same level by a^2."""
+    own = result.mean(name)
+    return own if tare is None else own - tare.mean(name) * (result.mean("level") / tare.mean("level")) ** 2
+
+
+def signs(results: Sequence[Result], limit: float) -> Reference:
+    """The signs of at least one condition; limit: critical score of the family, for energies below zero."""
+    runs = [(run, result.setting) for result in results for run in result.runs]
+    swapped = [run.run for run, setting in runs if _swapped(run, setting)]
+    negative = [run.run for run, _ in runs if run.energy.M_eff < 0]
+    late = [r.setting.id for r, test in zip(results, sign_tests(results), strict=True) if test.score > limit]
+    why = "masses and energies are positive, force and acceleration of the size that was set"
+    verdict = "does not hold" if swapped or negative or late else "holds"
+    if swapped:
+        why = f"{SWAPPED} in {len(swapped)} of {len(runs)} runs, the first is {swapped[0]}"
+    elif negative:
+        why = f"{REVERSED} in {len(negative)} of {len(runs)} runs, the first is {negative[0]}"
+    elif late:
+        why = f"{NEGATIVE} in {len(late)} of {len(results)} conditions, the first is {late[0]}"
+    return Reference("signs", "all runs", "", None, None, None, verdict, why)
+
+
+def _swapped(run: RunEnergy, setting: Setting) -> bool:
+    """|F| is of the size of the acceleration that was set and |a| of the force that it takes: which is which is told by
+    the geometric mean of the two, where the box is heavy enough (4 kg) for them to differ."""
+    mass = setting.box_mass + setting.gauge_mass
+    middle = setting.acceleration_set * math.sqrt(mass)
+    return mass >= 4 and run.energy.level > middle > abs(complex(run.energy.force[0]))

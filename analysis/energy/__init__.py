@@ -1,0 +1,1 @@
+"""Energy per cycle from force and acceleration."""

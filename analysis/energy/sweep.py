@@ -1,0 +1,144 @@
+"""A slow sweep of the drive: force and acceleration against frequency, cycle by cycle.
+
+The phase of the drive is known: phi = 2 pi (f0 t + p t^2/2), p the sweep rate. A signal's fundamental over the cycle
+from phi = 2 pi n to 2 pi (n + 1) is 2 mean(s e^(-j phi)) over the phase, dphi = 2 pi f dt: what is steady in phase
+counts alike wherever in the cycle it is sampled. Poles and delays of the channels are undone at each cycle's frequency.
+
+A linear system answers a sweep with H - j (b/2) H'' + .., b = 2 pi p, derivatives by the angular frequency: how far the
+answer is off the steady one is told from the curve itself, (b/2) |H''|, by a parabola through neighbouring points.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts
+from analysis.session.setting import Setting
+
+__all__ = ["fundamentals", "shift", "summary", "sweep"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MOST_POINTS = 400
+PIECE = 1 << 20  # samples looked at together
+NEIGHBOURS = 3  # points on either side of a parabola
+
+
+def sweep(
+    record: Record, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
+) -> dict[str, Any]:
+    """The sweep of one run with its flags and its shares of the exciter's limits, SI: fundamentals (peak) at the mean
+    frequency of each cycle, or of some cycles together where they are more than MOST_POINTS; phase by which force leads
+    acceleration, rad; apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and
+    acceleration, over the largest one.
+
+    AnalysisError where the run is incomplete or a channel is missing.
+    """
+    setting = Setting.of(record.conditions[run.condition])
+    if setting.sweep_to is None:
+        raise AnalysisError(f"{run.name} is no sweep")
+    if not run.complete:
+        raise AnalysisError(f"{run.name} is not complete")
+    missing = [name for name in ("force", "acceleration") if name not in record.channels]
+    if missing:
+        raise AnalysisError(f"the record has no channel {missing[0]!r}; it has {', '.join(record.channels)}")
+    frequency, force, acceleration = _cycles(record, run, setting)
+    together = -(-frequency.size // MOST_POINTS)
+    whole = frequency.size // together * together
+    frequency = frequency[:whole].reshape(-1, together).mean(axis=1)
+    force, acceleration = (x[:whole].reshape(-1, together).mean(axis=1) for x in (force, acceleration))
+    pace = _pace(setting)
+    ratio = force * acceleration.conj()
+    return {
+        "run": run.name, "flags": list(flags), "use": dict(use or {}),
+        "condition": run.condition, "bed": setting.bed, "fill": setting.fill,
+        "from": setting.frequency, "to": setting.sweep_to, "rate": pace, "cycles_each": together,
+        "frequency": frequency.tolist(), "force": np.abs(force).tolist(),
+        "acceleration": np.abs(acceleration).tolist(), "force_phase": np.angle(ratio).tolist(),
+        "M_eff": (ratio.real / np.abs(acceleration) ** 2).tolist(),
+        "shift_force": shift(frequency, force, pace), "shift_acceleration": shift(frequency, acceleration, pace),
+    }  # fmt: skip
+
+
+def _pace(setting: Setting) -> float:
+    """Sweep rate, Hz/s: so many cycles at the mean of both frequencies."""
+    last = setting.frequency if setting.sweep_to is None else setting.sweep_to
+    return (last**2 - setting.frequency**2) / (2.0 * setting.record_cycles)
+
+
+def _cycles(record: Record, run: RunFacts, setting: Setting) -> tuple[Array, Complex, Complex]:
+    """Mean frequency of every cycle of the sweep, and the phasors of force and acceleration in it."""
+    names = ("force", "acceleration")
+    channels = [record.channels[name] for name in names]
+    count, pace, f0 = int(setting.record_cycles), _pace(setting), setting.frequency
+    edges = np.sqrt(f0**2 + 2.0 * pace * np.arange(count + 1))
+    frequency = 0.5 * (edges[1:] + edges[:-1])
+    found = []
+    for name, channel in zip(names, channels, strict=True):
+        start = (setting.settle_cycles / f0) * run.rate + channel.filter_delay - channel.skew * run.rate
+        sums = np.zeros((2, count), np.complex128)
+        for first in range(0, run.samples, PIECE):
+            signal = record.signal(run.name, name, first, min(first + PIECE, run.samples)).samples
+            time = (first + np.arange(signal.size) - start) / run.rate
+            sums += fundamentals(signal, np.asarray(time, dtype=np.float64), f0, pace, count)
+        phasor = sums[0] / sums[1].real
+        found.append(phasor / _passed(channel, frequency))
+    return frequency, found[0], found[1]
+
+
+def fundamentals(signal: Array, time: Array, first: float, pace: float, cycles: int) -> Complex:
+    """Sums over the samples of each cycle that make its fundamental's phasor (peak): [sum s e^(-j phi) dphi, sum of
+    dphi/2], shape (2, cycles); time: s from the start of the sweep at `first` Hz, pace: Hz/s."""
+    turns = (first + 0.5 * pace * time) * time
+    inside = (time >= 0.0) & (turns < cycles)
+    signal, turns, weight = signal[inside], turns[inside], first + pace * time[inside]
+    cycle = np.floor(turns).astype(np.int64)
+    turned = signal * weight * np.exp(-2j * np.pi * (turns - cycle))
+    sums = np.empty((2, cycles), np.complex128)
+    sums[0] = np.bincount(cycle, turned.real, cycles) + 1j * np.bincount(cycle, turned.imag, cycles)
+    sums[1] = 0.5 * np.bincount(cycle, weight, cycles)
+    return sums
+
+
+def _passed(channel: ChannelFacts, frequency: Array) -> Complex:
+    """What the channel's high-pass poles make of a sine."""
+    jw = 2j * np.pi * frequency
+    passed = np.ones_like(jw)
+    for tau in channel.time_constants:
+        passed = passed * (jw * tau / (1.0 + jw * tau))
+    return passed
+
+
+def shift(frequency: Array, response: Complex, pace: float) -> float | None:
+    """(b/2) |H''| of the curve, its largest value over the largest |H|; None for too few points."""
+    if frequency.size < 2 * NEIGHBOURS + 1:
+        return None
+    second = []
+    for k in range(NEIGHBOURS, frequency.size - NEIGHBOURS):
+        near = slice(k - NEIGHBOURS, k + NEIGHBOURS + 1)
+        place = 2.0 * np.pi * (frequency[near] - frequency[k])
+        unit = float(np.abs(place).max())
+        curve = np.polynomial.polynomial.polyfit(
+            place / unit, np.stack([response[near].real, response[near].imag], 1), 2
+        )
+        second.append(2.0 * float(np.hypot(*curve[2])) / unit**2)
+    return float(np.pi * abs(pace) * max(second) / np.abs(response).max())
+
+
+def summary(found: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """One line for each sweep: where the acceleration is largest and least, and where the force is least."""
+    rows = []
+    for one in found:
+        f, a, F = (np.array(one[name]) for name in ("frequency", "acceleration", "force"))
+        top, low, least = int(a.argmax()), int(a.argmin()), int(F.argmin())
+        rows.append(
+            {"run": one["run"], "condition": one["condition"], "bed": one["bed"], "from": one["from"], "to": one["to"],
+             "rate": one["rate"], "acceleration": float(a[top]), "at_acceleration": float(f[top]),
+             "acceleration_least": float(a[low]), "at_acceleration_least": float(f[low]),
+             "force_least": float(F[least]), "at_force_least": float(f[least]),
+             "shift_force": one["shift_force"], "shift_acceleration": one["shift_acceleration"]}
+        )  # fmt: skip
+    return rows

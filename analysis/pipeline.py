@@ -1,0 +1,329 @@
+"""From a record to energies and to the report: one run at a time, in constant memory."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from analysis.comparison.loop_back import LoopBack, loop_back
+from analysis.comparison.offset_terms import actual_of
+from analysis.comparison.verdict import NOT_REACHED
+from analysis.comparison.whole_session import agreement
+from analysis.energy.energies import Energy
+from analysis.energy.gauge_position import AtBox, at_box
+from analysis.energy.per_cycle import Total, harmonics, window_energy
+from analysis.energy.sweep import sweep
+from analysis.results.coil_current import coil_of
+from analysis.results.deliberate_errors import misread
+from analysis.results.run import Coil, RunEnergy
+from analysis.session.documents import checked
+from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts, Truth
+from analysis.session.setting import LOOP_BACK, Setting
+from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
+from analysis.signals.quality import Scrutiny
+from analysis.uncertainty.budget import noise_of
+from daq.chain.block import Flag, flag_names
+
+__all__ = ["energies_of", "read_session", "run_energy"]
+
+FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
+BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT)
+"""Samples are missing or mean nothing: no energy can be stated."""
+CLIPPED = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO | Flag.SENSOR_CLIP)
+SETTLED = ~int(Flag.NOT_SETTLED)
+RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
+STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
+TRIGGER = "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
+CLOSURES = ("closure", "closure_exciter")  # ledger columns whose largest magnitude counts
+PIECE = 4096  # cycles of a ledger that are looked at together
+LIMITS = "use_"  # scalars of this prefix are shares of a limit
+
+
+def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False) -> RunEnergy:
+    """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
+
+    run: a run of the record, or its name. May be called from any thread, as soon as the run is complete, while others
+    are still written. AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
+    tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole cycle.
+    """
+    return Reader(record, tolerate_gaps).energy(record.run(run) if isinstance(run, str) else run)
+
+
+def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
+    """Energies of runs by name, as `run_energy` finds them; without those that cannot be used."""
+    reader, found = Reader(record, tolerate_gaps), {}
+    for name in names:
+        with suppress(AnalysisError):
+            found[name] = reader.energy(record.run(name))
+    return found
+
+
+class Reader:
+    """Reads the runs of one record: what the record and its conditions say is looked up and checked once."""
+
+    def __init__(self, record: Record, tolerate_gaps: bool = False) -> None:
+        self._record = record
+        self._tolerate_gaps = tolerate_gaps
+        self._settings: dict[str, Setting] = {}
+
+    def setting(self, condition: str) -> Setting:
+        """The setting of a condition."""
+        if condition not in self._settings:
+            self._settings[condition] = Setting.of(self._record.conditions[condition])
+        return self._settings[condition]
+
+    @cached_property
+    def channels(self) -> tuple[ChannelFacts, ChannelFacts]:
+        """Force and acceleration. AnalysisError where one of them is not recorded."""
+        return _channel(self._record, FORCE), _channel(self._record, ACCELERATION)
+
+    @cached_property
+    def exciter(self) -> Mapping[str, Any] | None:
+        """The exciter's document; None where the session has none."""
+        found: Mapping[str, Any] | None = checked("exciter", self._record.document("exciter"))
+        return found
+
+    @cached_property
+    def truth(self) -> Truth | None:
+        """What only a simulated session knows."""
+        return self._record.truth
+
+    def energy(self, run: RunFacts) -> RunEnergy:
+        """Energies of a run; see run_energy."""
+        record = self._record
+        if not run.complete:
+            raise AnalysisError(f"{run.name} is not complete")
+        setting = self.setting(run.condition)
+        if setting.bed == LOOP_BACK:
+            raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
+        if setting.sweep_to is not None:
+            raise AnalysisError(f"{run.name} is a sweep: its cycles do not close, no energy is stated")
+        force, acceleration = self.channels
+        scalars = record.scalars(run.name)
+        window = _window(run, setting, force, scalars)
+        delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
+        stretches = _stretches(record, run, window, self._tolerate_gaps)
+        total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
+        for part in (part for stretch in stretches for part in stretch.segments()):
+            first, last = part.sample_range()
+            signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
+            found = signals[0].flags | signals[1].flags
+            if found & BROKEN:
+                names = ", ".join(flag_names(found & BROKEN))
+                raise AnalysisError(f"{run.name} has {names} in samples {first} to {last}")
+            bits |= found & SETTLED
+            F, a = (on_grid(signal.samples, first, part) for signal in signals)
+            scrutiny.add(signals, (F, a), part.cycles)
+            energy = window_energy(
+                F, a, part.cycles, setting.frequency,
+                time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
+                box_mass=setting.box_mass,
+            )  # fmt: skip
+            total.add(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
+        energy = total.energy()
+        samples = round(energy.cycles * window.grid.period)
+        wanted = int(setting.record_cycles)
+        short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
+        recorded = scalars.get(RECORDED, math.nan)
+        return RunEnergy(
+            run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
+            u_noise=noise_of(energy, force, acceleration, samples),
+            flags=(*flag_names(int(bits)), *scrutiny.flags(run.name), *short, *_limits(scalars), *_stops(scalars)),
+            use=_use(scalars),
+            ledger=_ledger(self.truth, run, setting, window, stretches),
+            coil=_coil(record, run, window, energy, samples, self.exciter),
+            at_box=_at_box(setting, energy, self.exciter),
+            recorded=recorded if math.isfinite(recorded) else None,
+            u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
+            clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
+        )  # fmt: skip
+
+
+def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]) -> Window:
+    """The whole cycles of a run that count. AnalysisError where there are none."""
+    phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
+    try:
+        return whole_cycles(
+            run.samples, run.rate, setting.frequency,
+            filter_delay=force.filter_delay + phase, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
+        )  # fmt: skip
+    except ValueError as error:
+        raise AnalysisError(f"{run.name}: {error}") from error
+
+
+def window_range(record: Record, run: RunFacts) -> tuple[float, float]:
+    """Return the first sample of the whole cycles that count, and one past the last.
+
+    Fractional where a cycle has no whole number of samples. Where there are no such cycles (a sweep, a loop-back, a
+    record cut short), all that follows the settling.
+    """
+    setting = Setting.of(record.conditions[run.condition])
+    settled = min(setting.settle_cycles * run.rate / setting.frequency, run.samples / 2)
+    if setting.sweep_to is not None or setting.bed == LOOP_BACK:
+        return settled, float(run.samples)
+    try:
+        window = _window(run, setting, _channel(record, FORCE), record.scalars(run.name))
+    except AnalysisError:
+        return settled, float(run.samples)
+    return window.start, window.start + window.cycles * window.grid.period
+
+
+def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
+    """The window, or where gaps are tolerated its whole cycles on either side of every broken block: nothing is ever
+    joined over one. AnalysisError where none is left."""
+    if not tolerate_gaps or not run.flags & BROKEN:
+        return (window,)
+    blocks = record.blocks(run.name)
+    broken = (np.bitwise_or.reduce(blocks["flags"], axis=1) & BROKEN) != 0
+    bad = [(int(b["start"]), int(b["start"] + b["count"])) for b in blocks[broken]]
+    left = clear_of(window, bad)
+    if not left:
+        raise AnalysisError(f"{run.name} has no whole cycle beside its gaps")
+    return left
+
+
+def _clip_ratio(record: Record, run: RunFacts) -> float:
+    """Largest share of a channel's samples that lie at a rail."""
+    blocks = record.blocks(run.name)
+    return float(blocks["clipped"].sum(axis=0).max()) / max(int(blocks["count"].sum()), 1)
+
+
+def _coil(
+    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: Mapping[str, Any] | None
+) -> Coil | None:
+    """What the coil's current tells; None where it is not recorded or the exciter is not known."""
+    channel = record.channels.get(CURRENT)
+    if exciter is None or channel is None:
+        return None
+    force = _channel(record, FORCE)  # on its time the phasors of the energies stand
+    lag = (channel.filter_delay - force.filter_delay) / run.rate + force.skew - channel.skew
+    total = np.zeros_like(energy.acceleration)
+    for part in window.segments():
+        first, last = part.sample_range()
+        current = on_grid(record.signal(run.name, CURRENT, first, last).samples, first, part)
+        total += harmonics(current, part.cycles, current.size // part.cycles) * (part.cycles / window.cycles)
+    orders = np.arange(1, total.size + 1)
+    total *= np.exp(2j * np.pi * energy.frequency * lag * orders)
+    return coil_of(total, energy, channel, exciter, samples)
+
+
+def _at_box(setting: Setting, energy: Energy, exciter: Mapping[str, Any] | None) -> AtBox | None:
+    """The run as it would be read on the box; None where the places or the stinger are not known."""
+    if setting.gauge is None or setting.accelerometer is None or exciter is None:
+        return None
+    return at_box(energy, setting.gauge, setting.accelerometer, setting.gauge_mass, exciter)
+
+
+def read_session(
+    record: Record, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
+) -> dict[str, Any]:
+    """The report (interfaces.md, report.json) of a session from its record alone.
+
+    energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
+    cannot be used are listed under `left_out` with the reason.
+    """
+    known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
+    reader = Reader(record, tolerate_gaps)
+    for run in record.runs:
+        if run.name not in known:
+            try:
+                if record.conditions[run.condition].get("bed") == LOOP_BACK:
+                    loop_backs.append(_loop_back(record, run))
+                elif record.conditions[run.condition].get("sweep_to") is not None:
+                    scalars = record.scalars(run.name)
+                    swept.append(sweep(record, run, _flags(run, scalars), _use(scalars)))
+                else:
+                    known[run.name] = reader.energy(run)
+            except AnalysisError as error:
+                left_out.append({"run": run.name, "why": str(error)})
+    protocol, rig, prediction = (
+        checked(name, record.document(name)) or {} for name in ("protocol", "rig", "prediction")
+    )
+    return agreement(
+        [known[run.name] for run in record.runs if run.name in known],
+        record.conditions,
+        prediction,
+        record.channels,
+        protocol=str(protocol.get("name", "")),
+        question=str(protocol.get("question", "")),
+        synthetic=record.synthetic,
+        assumed=rig.get("values", ()),
+        left_out=left_out,
+        expect=protocol.get("expect", ()),
+        actual=actual_of(record.truth),
+        fidelity=checked("fidelity", record.document("fidelity")),
+        resolved=_resolved({"protocol": protocol, "rig": rig}),
+        loop_backs=loop_backs,
+        sweeps=swept,
+    )
+
+
+def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """Flags of a run whose samples are read as a whole. AnalysisError where some are missing or mean nothing."""
+    if run.flags & BROKEN:
+        raise AnalysisError(f"{run.name} has {', '.join(flag_names(run.flags & BROKEN))}")
+    return (*flag_names(run.flags & SETTLED), *_limits(scalars), *_stops(scalars))
+
+
+def _loop_back(record: Record, run: RunFacts) -> LoopBack:
+    if not run.complete:
+        raise AnalysisError(f"{run.name} is not complete")
+    setting, force = Setting.of(record.conditions[run.condition]), _channel(record, FORCE)
+    _channel(record, ACCELERATION)
+    return loop_back(record, run, _window(run, setting, force, record.scalars(run.name)), setting.frequency)
+
+
+def _resolved(documents: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """The documents that are there written out, as text."""
+    return {name: str(found["resolved"]) for name, found in documents.items() if found.get("resolved")}
+
+
+def _channel(record: Record, name: str) -> ChannelFacts:
+    if name not in record.channels:
+        raise AnalysisError(f"the record has no channel {name!r}; it has {', '.join(record.channels)}")
+    return record.channels[name]
+
+
+def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """Limits of the exciter that the run would have needed more of, as flags: "over_force"."""
+    return tuple(f"over_{name}" for name, share in _use(scalars).items() if share > 1)
+
+
+def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
+    """What kept the level from being reached, as a flag, and whether the amplifier clipped while it was held."""
+    stopped = [f"{NOT_REACHED}_{name.removeprefix(STOPPED)}" for name, value in scalars.items()
+               if name.startswith(STOPPED) and value > 0]  # fmt: skip
+    return (*stopped, *(("clipped",) if scalars.get("clipped", 0.0) > 0 else ()))
+
+
+def _use(scalars: Mapping[str, float]) -> dict[str, float]:
+    """Shares of the exciter's limits, by the limit's name."""
+    return {name.removeprefix(LIMITS): share for name, share in scalars.items() if name.startswith(LIMITS)}
+
+
+def _ledger(
+    truth: Truth | None, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
+) -> dict[str, float] | None:
+    """True energies over the drive cycles that are read; None for a record without truth."""
+    if truth is None:
+        return None
+    first, period = round(setting.settle_cycles), window.grid.period
+    read = [(round((part.start - window.start) / period), part.cycles) for part in stretches]
+    closure: dict[str, float] = {}
+    count, total = 0, np.zeros(1)
+    for begin, cycles in read:
+        for place in range(begin, begin + cycles, PIECE):
+            end = min(place + PIECE, begin + cycles)
+            columns, rows = truth.ledger(run.name, first + place, first + end)
+            if len(rows) < end - place:
+                return None
+            total = total + rows.sum(axis=0)
+            count += len(rows)
+            for name in CLOSURES:
+                if name in columns:
+                    own = float(np.abs(rows[:, columns.index(name)]).max())
+                    closure[name] = max(own, closure.get(name, 0.0))
+    return dict(zip(columns, (total / count).tolist(), strict=True)) | closure

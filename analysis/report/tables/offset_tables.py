@@ -1,0 +1,95 @@
+"""Tables of where an offset comes from: its terms in each condition, and the marks of every candidate cause."""
+
+from typing import Any
+
+from analysis.report.loss_names import first_principles, loss_name, short_name
+from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, significant
+from analysis.session.ledger_columns import TERMS
+
+__all__ = ["causes", "offset_terms"]
+
+Report = dict[str, Any]
+
+LOSSES = ("noise", "air", "gas", "guide friction", "cords")
+"""Causes that the protocol switches on."""
+
+
+def offset_terms(report: Report) -> Table:
+    """The offset of each condition, term by term."""
+    title, head = "Offset, term by term", ("id", "offset, %", *(f"{short_name(name)}, %" for name in TERMS))
+    told = [row for row in report["conditions"] if row["offset_terms"] is not None]
+    if not told:
+        return Table(title, "", head, ())
+    rows = tuple(
+        (Cell(row["id"]), _percent(row["offset"]), *(_percent(row["offset_terms"][name]) for name in TERMS))
+        for row in told
+    )
+    worst = max(told, key=lambda row: abs(row["offset_terms"]["remainder"]) / row["allowed_remainder"])
+    remainder, allowed = abs(worst["offset_terms"]["remainder"]), worst["allowed_remainder"]
+    within = "within" if remainder <= allowed else "beyond"
+    note = (
+        "Percent of W_T, from the rig's own ledger and the true state of its instruments; the terms add up to the "
+        f"offset. Losses outside the grains: viscous, {loss_name('noise', report)}; quadratic, "
+        f"{loss_name('air', report)}; gas and mount. phase and scale are the instruments; refill is what the poured "
+        "bed took beyond W_T at the level reached, the waveform's share included where no ablation "
+        f"parts them. The remainder nearest to its limit, {significant(100 * remainder, 2)} % in {worst['id']}, is "
+        f"{within} the {significant(100 * allowed, 2)} % that are allowed there."
+    )
+    return Table(title, note, head, rows)
+
+
+def causes(report: Report) -> Table:
+    """Candidate causes with their marks."""
+    head = (
+        "cause", "law", "in this run", "% of W_T", "power of a", "power of mass", "power of fill",
+        "left empty, % of full", "left locked, % of full", "in words",
+    )  # fmt: skip
+    told = report["causes"]
+    losses = [row for row in told if row["cause"] in LOSSES]
+    off = report["synthetic"] and bool(losses) and not any(row["in_run"] for row in losses)
+    shown = [row for row in told if row["in_run"]] if off else told
+    rows = tuple(
+        (
+            Cell(loss_name(row["cause"], report)), Cell(row["law"]), Cell("yes" if row["in_run"] else "no, computed"),
+            _left(row["share"], "run" if row["in_run"] else "computed"), *map(_power, row["grows_with"].values()),
+            _left(row["empty"], row["empty_from"]), _left(row["locked"], row["locked_from"]),
+            Cell(" ".join(filter(None, (row["words"], *_here(row, report))))),
+        )
+        for row in shown
+    )  # fmt: skip
+    if off:
+        note = (
+            "What could put W_exp above W_T. All losses of the box are switched off in this run (losses: []), so that "
+            "only the instruments are left: the powers of acceleration, moving mass and fill with which they grow, and "
+            "what they leave in the empty and in the locked box, over the largest W_T at the same level (in brackets: "
+            "computed)."
+        )
+        return Table("Causes of an offset", note, head, rows)
+    note = (
+        "What could put W_exp above W_T, and how to tell: the powers of acceleration, moving mass and fill with which "
+        "it grows, fitted over conditions that differ in nothing else, and what it leaves in the empty and in the "
+        "locked box, over the largest W_T at the same level. In brackets: computed for this rig, not taken from this "
+        "run. A loss that knows no mass stays in the empty box: never 7 % of a full one and nearly nothing there."
+    )
+    return Table("Causes of an offset", note, head, rows)
+
+
+def _here(row: Report, report: Report) -> tuple[str, ...]:
+    """What is known of a cause in this session, in sentences."""
+    size = first_principles(row["cause"], report)
+    return tuple(f"Here: {text}." for text in (size, row["note"]) if text)
+
+
+def _percent(value: float) -> Cell:
+    return fixed(100 * value, 2)
+
+
+def _power(exponent: float | None) -> Cell:
+    return UNKNOWN if exponent is None else Cell(f"{round(exponent, 2) + 0.0:.2f}", exponent)
+
+
+def _left(share: float | None, source: str | None) -> Cell:
+    cell = number(share, 2, 100)
+    if share is None:
+        return cell
+    return Cell(f"({cell.text})", cell.value) if source == "computed" else cell

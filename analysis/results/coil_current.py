@@ -1,0 +1,116 @@
+"""An independent estimate of the dissipated energy: from the current in the exciter's coil, without the force gauge.
+
+The coil's force BL i moves armature, flexure, body and stinger besides the box. With the exciter known, the force at
+the gauge plane follows from current and box acceleration, harmonic by harmonic; its work on the box is W_coil. Flexure
+tare, recoil of the body and stretch of the stinger are in it; left out is what lies above the band in which the current
+tells the force (half the resonance of the armature on its stinger), and everything that is not linear.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.energy.energies import Energy
+from analysis.results.run import Coil
+from analysis.session.record import ChannelFacts
+from analysis.uncertainty.budget import CERTIFICATE_NU, combine, scatter_line, stretch_of
+from analysis.uncertainty.budget_line import Line
+from analysis.uncertainty.estimate import Estimate
+
+__all__ = ["coil_estimates", "coil_force", "coil_of"]
+
+Complex = NDArray[np.complex128]
+
+PARTS = (
+    "moving_mass", "flexure_stiffness", "flexure_damping_ratio", "body_mass", "isolation_stiffness",
+    "isolation_damping_ratio", "stinger_stiffness", "stinger_damping",
+)  # fmt: skip
+STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
+
+
+def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: Mapping[str, Any]) -> Complex:
+    """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration (m/s^2).
+
+    Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F:
+    m_a x_a'' + c_s (x_a' - x_b') + k_s (x_a - x_b) + F = BL i, m_b x_b'' + isolation - (..)_s = -BL i,
+    F = (k_st + j w c_st) (x_a - x).
+    """
+    jw = 2j * np.pi * frequency * np.arange(1, current.size + 1)
+
+    def spring(name: str, mass: str) -> Complex:
+        k, m = float(exciter[f"{name}_stiffness"]), float(exciter[mass])
+        return np.asarray(k + jw * (2 * float(exciter[f"{name}_damping_ratio"]) * math.sqrt(k * m)))
+
+    flexure = spring("flexure", "moving_mass")
+    body = exciter["body_mass"] * jw**2 + spring("isolation", "body_mass") + flexure
+    stinger = exciter["stinger_stiffness"] + jw * exciter["stinger_damping"]
+    thrust = exciter["force_constant"] * current * (1 - flexure / body)
+    carried = exciter["moving_mass"] * jw**2 + flexure - flexure**2 / body
+    return np.asarray((thrust - carried * acceleration / jw**2) / (1 + carried / stinger))
+
+
+def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Mapping[str, Any], samples: int) -> Coil:
+    """W_coil of a run from its current phasors (A) and its energies; exciter: the session's document, certified values
+    and their U. samples: in the window."""
+    orders = min(current.size, int(exciter["band"] / energy.frequency))
+    i, A = current[:orders], energy.acceleration[:orders]
+    frequency = energy.frequency
+
+    def W(known: Mapping[str, Any], scale: float = 1.0) -> float:
+        return _work(coil_force(scale * i, A, frequency, known), A, frequency)
+
+    def slope(changed: Callable[[float], float]) -> float:
+        return (changed(1 + STEP) - changed(1 - STEP)) / (2 * STEP)
+
+    per_current = slope(lambda factor: W(exciter, factor))
+    # The gauge is used for one thing only: to say how much may lie above the band.
+    above = abs(_work(energy.force[orders:], energy.acceleration[orders:], frequency, orders + 1))
+    constant_U, parts_U = float(exciter["force_constant_U"]), float(exciter["parts_U"])
+    lines = [
+        Line("current sensitivity", "1", channel.calibration_U / 2, CERTIFICATE_NU, per_current),
+        Line("current gain", "1", channel.gain_tolerance / math.sqrt(3), math.inf, per_current),
+        Line("force constant", "1", constant_U / 2, CERTIFICATE_NU, per_current),
+        *(
+            Line(name.replace("_", " "), "1", parts_U / 2, CERTIFICATE_NU,
+                 slope(lambda factor, name=name: W({**exciter, name: exciter[name] * factor})))  # type: ignore[misc]
+            for name in PARTS
+        ),
+        Line("above the coil's band", "J", above / math.sqrt(3), math.inf, 1.0),
+    ]  # fmt: skip
+    noise = exciter["force_constant"] * channel.noise_rms * energy.level / (4 * math.pi * frequency**2)
+    return Coil(W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples))
+
+
+def coil_estimates(
+    energies: Sequence[Energy], coils: Sequence[Coil], lines: Sequence[Line], u_noise: float
+) -> tuple[Estimate, Estimate]:
+    """W_coil of a condition, and W_coil - W_exp, J per cycle.
+
+    lines: the budget of W_exp. An error of the acceleration (scale or angle) moves both alike and leaves the
+    difference; u_noise: J, of W_exp's mean.
+    """
+    n = len(coils)
+    W = math.fsum(coil.W for coil in coils) / n
+    own = [
+        replace(first, u=math.fsum(line.u for line in same) / n, c=math.fsum(line.c for line in same) / n)
+        for first, same in ((same[0], same) for same in zip(*(coil.lines for coil in coils), strict=False))
+    ]
+    noise = math.sqrt(math.fsum(coil.u_noise**2 for coil in coils)) / n
+    of_runs = scatter_line([coil.W for coil in coils], stretch_of(lines))
+    scatter = [(line.part, line.nu) for line in of_runs] or [(noise, math.inf)]
+    shared = [line for line in lines if line.source.startswith(("acceleration", "clock", "arithmetic"))]
+    total = combine(W, [*scatter, *((line.part, line.nu) for line in (*own, *shared))])
+    gauge = [(line.part, line.nu) for line in lines if line.source.startswith("force")]
+    apart = math.fsum(coil.W - energy.W for coil, energy in zip(coils, energies, strict=True)) / n
+    between = [*gauge, *((line.part, line.nu) for line in own), (noise, math.inf), (u_noise, math.inf)]
+    return total, combine(apart, between)
+
+
+def _work(force: Complex, acceleration: Complex, frequency: float, first: int = 1) -> float:
+    """Closed-loop integral of F v dt, J per cycle, from phasors of harmonics first, first + 1, ..."""
+    omega = 2 * math.pi * frequency * np.arange(first, first + force.size)
+    return -0.5 / frequency * float(((force * acceleration.conj()).imag / omega).sum())

@@ -1,0 +1,185 @@
+"""One condition's line of the report: mean over its runs, uncertainty, and what the prediction says at its level."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.results.coil_current import coil_estimates
+from analysis.results.predicted_on_record import Recorded, on_recorded
+from analysis.results.run import RunEnergy
+from analysis.session.ledger_columns import DISSIPATED, STINGER
+from analysis.session.prediction import Prediction
+from analysis.session.record import ChannelFacts
+from analysis.session.setting import Setting
+from analysis.signals.correction import net_of_mass
+from analysis.uncertainty.budget import (
+    angle_uncertainty,
+    certificate_lines,
+    combine,
+    difference_parts,
+    mass_and_loss,
+    prediction_lines,
+    refills_line,
+    resolution_lines,
+    scatter_line,
+)
+from analysis.uncertainty.budget_line import Line
+from analysis.uncertainty.estimate import Estimate
+from analysis.uncertainty.skewed_scatter import stretch
+
+__all__ = ["Result", "evaluate"]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A condition evaluated.
+
+    W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
+    detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
+    the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
+    W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
+    (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
+    the model's parameters; empty where none were given. refills: the same for beds poured anew.
+    mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
+    """
+
+    setting: Setting
+    runs: tuple[RunEnergy, ...]
+    lines: tuple[Line, ...]
+    W_exp: Estimate
+    mass: Estimate
+    loss: Estimate
+    W_T: Estimate | None
+    difference: Estimate | None
+    chain: Estimate | None
+    detect: float
+    predicted: Mapping[str, float | None]
+    coil: Estimate | None = None
+    coil_apart: Estimate | None = None
+    recorded: Recorded | None = None
+    pairs: tuple[tuple[float, float], ...] = ()
+    model: tuple[float, ...] = ()
+    refills: tuple[float, ...] = ()
+    beyond: bool = False
+
+    @property
+    def comparable(self) -> bool:
+        """W_exp and W_T both stand out of the detection limit and of W_exp's uncertainty."""
+        return self._stands_out(self.W_T)
+
+    @property
+    def comparable_recorded(self) -> bool:
+        """As `comparable`, for the prediction on the recorded waveforms."""
+        return self._stands_out(None if self.recorded is None else self.recorded.W_T)
+
+    def _stands_out(self, W_T: Estimate | None) -> bool:
+        floor = max(self.detect, self.W_exp.U)
+        return W_T is not None and W_T.value > 0 and min(W_T.value, self.W_exp.value) >= floor
+
+    def mean(self, name: str) -> float:
+        """Mean over the runs of a number of their Energy."""
+        return math.fsum(getattr(run.energy, name) for run in self.runs) / len(self.runs)
+
+
+def evaluate(
+    setting: Setting, runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None, channels: Mapping[str, ChannelFacts]
+) -> Result:
+    """Evaluate a condition from its runs (one at least) and its entry of the prediction document (None for none)."""
+    force, acceleration = channels["force"], channels["acceleration"]
+    n = len(runs)
+    W = math.fsum(run.energy.W for run in runs) / n
+    reactive = math.fsum(run.energy.reactive for run in runs) / n
+    predicted, totals, own = _predicted(runs, entry)
+    W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
+    # A condition measured once has no scatter: the instruments' noise stands in for it.
+    noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
+    noise_line = (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
+    certified = (
+        *certificate_lines(
+            force,
+            acceleration,
+            setting.frequency,
+            W,
+            reactive,
+            W_T or 0.0,
+            exponent or 0.0,
+            (max(abs(complex(run.energy.force[0])) for run in runs), max(run.energy.level for run in runs)),
+        ),
+        *resolution_lines(W, reactive),
+    )
+    refills = tuple((entry or {}).get("refills") or ())
+    factor = stretch(refills, n)
+    scatter = scatter_line([run.energy.W for run in runs], factor) or noise_line
+    lines = (*scatter, *certified, *own, *refills_line(refills, W_T or 0.0))
+    angle = angle_uncertainty(force, acceleration, setting.frequency)
+    pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
+    coils = [run.coil for run in runs if run.coil is not None]
+    by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
+    mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
+    return Result(
+        setting=setting,
+        runs=tuple(runs),
+        lines=lines,
+        W_exp=combine(W, [(line.part, line.nu) for line in lines]),
+        mass=mass,
+        loss=loss,
+        W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
+        difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
+        chain=_chain(setting, W, runs, (*noise_line, *certified)),
+        detect=abs(reactive) * angle.U,
+        predicted=predicted,
+        coil=by_coil[0],
+        coil_apart=by_coil[1],
+        recorded=on_recorded(runs, W, (*scatter, *certified), exponent, refills),
+        pairs=pairs,
+        model=tuple((entry or {}).get("model") or ()),
+        refills=refills,
+        beyond=entry is not None and not predicted,
+    )
+
+
+def _predicted(
+    runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
+) -> tuple[dict[str, float | None], list[float], tuple[Line, ...]]:
+    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the lines of
+    the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
+    if entry is None:
+        return {}, [], ()
+    prediction = Prediction.of(entry)
+    levels = [run.energy.level for run in runs]
+    if not all(prediction.total.reaches(a) for a in levels):
+        return {}, [], ()
+    curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
+    values: dict[str, float | None] = {
+        name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
+    }
+    values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
+    own = prediction_lines(prediction, values["W_T"] or 0.0)
+    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], own
+
+
+def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
+    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through the stinger, W_exp
+    holds what that loses."""
+    columns = (*DISSIPATED, STINGER) if setting.through_stinger else DISSIPATED
+    ledgers = [run.ledger for run in runs if run.ledger is not None]
+    if len(ledgers) < len(runs):
+        return None
+    true = math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in columns) / len(runs)
+    return combine(W - true, [(line.part, line.nu) for line in lines])
+
+
+def box_distortion(run: RunEnergy, setting: Setting) -> float | None:
+    """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's force over the mass that
+    they would shake, relative to the fundamental; as measured where the box is on an exciter. None without motion."""
+    energy = run.energy
+    if not energy.level:
+        return None
+    if setting.drive != "servo":
+        return energy.thd_acceleration
+    on_box = net_of_mass(energy.force[1:], energy.acceleration[1:], setting.box_mass + setting.gauge_mass)
+    moved = setting.box_mass + setting.gauge_mass + setting.moving_mass
+    return float(np.linalg.norm(on_box)) / moved / energy.level if moved else None

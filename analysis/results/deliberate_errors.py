@@ -1,0 +1,201 @@
+"""Deliberate mistakes: the wrong readings, and the rule that says beforehand how wrong each result comes out.
+
+R = (pi/w^2) M_eff a^2 is what a phase error of 1 rad adds to W; eta = W/R the loss factor. Relative errors of W:
+
+    pole, skew, clock   dphi/eta, dphi the lead of the acceleration (the mean, where it slides)
+    corners             dphi/eta, less what the AC coupling takes of both amplitudes
+    cycles              sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta), n cycles from the drive's cycle start
+    coil                pi c a^2/w^3 of the armature's flexure, over W
+    offset              2 e/eta, e the offset over the level, integrated from rest without taking off any mean
+    friction            4 mu M g X, over W
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.energy.energies import Energy
+from analysis.results.condition import Result
+from analysis.session.ledger_columns import DISSIPATED
+from analysis.session.record import ChannelFacts
+from analysis.signals.correction import pole_phase
+from analysis.signals.integration import integral
+
+__all__ = ["deliberate", "misread"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Words:
+    """A mistake in words: what is done, `{value}` filled in; the rule; what makes it show."""
+
+    what: str
+    rule: str
+    notice: str
+
+
+ANGLE = "error = dphi/eta"
+NOTHING = 1e-9  # loss factor of round-off: below it nothing was dissipated that an error could refer to
+WORDS: Mapping[str, Words] = {
+    "pole": Words(
+        "the accelerometer's true time constant is {value:g} times the certified one, by which the record is corrected",
+        f"{ANGLE}, dphi = atan(1/(w tau)) - atan(1/(w tau_certified))",
+        "the locked bed's angle, larger at lower frequencies",
+    ),
+    "corners": Words(
+        "both channels are AC coupled at 0.5 Hz and nobody wrote it down; the acceleration's corner lies {percent:g} % "
+        "above the force's",
+        f"{ANGLE}, dphi = atan(f_acceleration/f) - atan(f_force/f), less (f_force^2 + f_acceleration^2)/(2 f^2) for "
+        "the amplitude that the coupling takes",
+        "the locked bed's angle, larger at lower frequencies",
+    ),
+    "cycles": Words(
+        "W is read over {value:g} cycles instead of whole ones",
+        "error = sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta)",
+        "W_exp against W_phasor, which stays right: on whole cycles the two are equal; the locked bed's angle",
+    ),
+    "skew": Words(
+        "the acceleration channel comes {value:g} sample{plural} late",
+        f"{ANGLE}, dphi = -w delay",
+        "the locked bed's angle, growing with the frequency",
+    ),
+    "clock": Words(
+        "the acceleration channel runs on a clock of its own, {value:g} ppm fast",
+        f"{ANGLE}, dphi = -w (clock error) (time from the start to the middle of the record)",
+        "W, which slides from cycle to cycle; the locked bed's angle, growing with the length of the record",
+    ),
+    "coil": Words(
+        "the force is taken from the coil's current, with the armature and its flexure in it (c = {value:.3g} N s/m)",
+        "error = (pi c a^2/w^3)/W",
+        "the empty box's apparent mass (off by m - k/w^2, the rigid mass reference) and its W",
+    ),
+    "offset": Words(
+        "the acceleration has a DC offset of {percent:g} % of its level, and is integrated without taking off any mean",
+        "error = 2 offset/eta",
+        "the velocity, which runs away; W_exp against W_phasor, which stays right; the locked bed's angle",
+    ),
+    "friction": Words(
+        "the box runs on a guide, and what its friction (mu = {value:g}) takes is read as the bed's",
+        "error = 4 mu M g X/W",
+        "no angle: the locked bed's W, which grows as a and with the mass carried, not as a^2",
+    ),
+}  # fmt: skip
+
+
+def misread(energy: Energy, mistake: Mapping[str, Any], force: Array, acceleration: Array) -> Energy:
+    """A window's energies with W read wrongly where the mistake lies in the reading; unchanged otherwise.
+
+    force (N), acceleration (m/s^2): the window's samples as recorded, a whole number to each of `energy.cycles` cycles.
+    """
+    points = force.size // energy.cycles
+    step = 1 / (energy.frequency * points)
+    if mistake["kind"] == "cycles":
+        return replace(energy, W=_broken_cycles(force, acceleration, step, points, float(mistake["value"])))
+    if mistake["kind"] == "offset":
+        velocity = (np.cumsum(acceleration) - 0.5 * acceleration) * step
+        return replace(energy, W=float(np.einsum("i,i->", force, velocity)) * step / energy.cycles)
+    return energy
+
+
+def _broken_cycles(force: Array, acceleration: Array, step: float, points: int, cycles: float) -> float:
+    """W in J per cycle from the integral of F v dt over the first `cycles` cycles; means are those of the window."""
+    velocity = integral(acceleration - acceleration.mean(), step)
+    power = (force - force.mean()) * (velocity - velocity.mean())
+    last = min(round(cycles * points), power.size - 1)
+    return float(power[: last + 1].sum() - 0.5 * (power[0] + power[last])) * step / cycles
+
+
+def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> dict[str, Any] | None:
+    """The report's `mistake`: what was done wrong and how wrong it made each condition; None where nothing was.
+
+    W_exp, W_true (the ledger's, over the same cycles; the bed's alone where friction was taken for damping): J per
+    cycle; error = W_exp/W_true - 1; predicted by the rule, from W_true, the apparent mass and the level; ratio of both.
+    Null where the record holds no truth or nothing was dissipated.
+    """
+    mistakes = [result.setting.mistake for result in results if result.setting.mistake is not None]
+    if not mistakes:
+        return None
+    kind, value = str(mistakes[0]["kind"]), float(mistakes[0]["value"])
+    words = WORDS[kind]
+    return {
+        "kind": kind,
+        "parameter": value,
+        "what": words.what.format(value=value, percent=100 * value, plural="s" * (value > 1)),
+        "rule": words.rule,
+        "notice": words.notice,
+        "conditions": [
+            _row(result, result.setting.mistake, channels) for result in results if result.setting.mistake is not None
+        ],
+    }
+
+
+def _row(result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts]) -> dict[str, Any]:
+    found = result.W_exp.value
+    row = dict.fromkeys(("W_true", "eta", "error", "predicted", "ratio")) | {"id": result.setting.id, "W_exp": found}
+    true = _true(result, str(mistake["kind"]))
+    if true is not None:
+        row["W_true"] = true
+    if true is not None and true > NOTHING * abs(result.mean("reactive")):
+        eta = true / result.mean("reactive")
+        error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
+        row |= {"eta": eta, "error": error, "predicted": predicted, "ratio": error / predicted if predicted else None}
+    return {name: row[name] for name in ("id", "W_exp", "W_true", "eta", "error", "predicted", "ratio")}
+
+
+def _true(result: Result, kind: str) -> float | None:
+    """What should have been found, J per cycle, from the ledgers of the condition's runs."""
+    ledgers = [run.ledger for run in result.runs if run.ledger is not None]
+    if len(ledgers) < len(result.runs):
+        return None
+    names = [name for name in DISSIPATED if kind != "friction" or name != "W_mount"]
+    return math.fsum(ledger.get(name, 0.0) for ledger in ledgers for name in names) / len(ledgers)
+
+
+def _predicted(
+    result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts], true: float, eta: float
+) -> float:
+    """Relative error of W by the mistake's rule."""
+    setting, value, level = result.setting, float(mistake["value"]), result.mean("level")
+    omega = 2 * math.pi * setting.frequency
+    match mistake["kind"]:
+        case "cycles":
+            turn = 2 * math.pi * value
+            return math.sin(2 * turn) / (2 * turn) - math.sin(turn) ** 2 / (turn * eta)
+        case "coil":
+            return math.pi * value * level**2 / omega**3 / true
+        case "offset":
+            return 2 * value / eta
+        case "friction":
+            moved = setting.box_mass + setting.gauge_mass + setting.bed_mass
+            return 4 * value * moved * float(mistake["gravity"]) * level / omega**2 / true
+        case "corners":
+            taken = sum((corner / setting.frequency) ** 2 for corner in _corners(mistake)) / 2
+            return _lead("corners", result, mistake, channels) / eta - taken
+        case kind:
+            return _lead(str(kind), result, mistake, channels) / eta
+
+
+def _corners(mistake: Mapping[str, Any]) -> tuple[float, float]:
+    """Corners of the force's and the acceleration's AC coupling, Hz."""
+    corner = float(mistake["corner"])
+    return corner, corner * (1 + float(mistake["value"]))
+
+
+def _lead(kind: str, result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts]) -> float:
+    """Phase by which the mistake lets the acceleration lead, rad; the mean over the record where it slides."""
+    setting, value = result.setting, float(mistake["value"])
+    omega = 2 * math.pi * setting.frequency
+    if kind == "pole":
+        certified = channels["acceleration"].time_constant
+        return 0.0 if certified is None else pole_phase(omega, value * certified) - pole_phase(omega, certified)
+    if kind == "corners":
+        force, acceleration = _corners(mistake)
+        return math.atan(acceleration / setting.frequency) - math.atan(force / setting.frequency)
+    if kind == "skew":
+        return -omega * float(mistake["delay"])
+    return -omega * 1e-6 * value * (setting.settle_cycles + setting.record_cycles / 2) / setting.frequency

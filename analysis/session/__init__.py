@@ -1,0 +1,1 @@
+"""What is needed of a record: its interface, its settings, its documents."""

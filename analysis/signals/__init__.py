@@ -1,0 +1,1 @@
+"""Sampled signals: whole cycles, corrections, quality."""

@@ -1,0 +1,1 @@
+"""Estimates, budgets, and the statistics behind them."""

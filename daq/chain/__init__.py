@@ -1,0 +1,1 @@
+"""From a physical signal to blocks of codes: transducers, conditioning, front end, trigger, clock."""

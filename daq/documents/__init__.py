@@ -1,0 +1,1 @@
+"""Strict reading of plain data, without YAML: the documents in a session."""

@@ -1,0 +1,1 @@
+"""Faults put in on purpose: before the transducers, or in the blocks."""

@@ -1,0 +1,1 @@
+"""Session files: written by one writer, read by anybody, validated, copied."""

@@ -1,0 +1,137 @@
+"""What a session holds, as plain values: the plan a recorder is created from and what a record gives back."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from daq.chain.channel import ChannelInfo
+
+__all__ = [
+    "CHUNK",
+    "RUN_NAME",
+    "SCHEMA",
+    "RunInfo",
+    "RunPlan",
+    "SessionError",
+    "SessionPlan",
+    "Signal",
+    "WriteError",
+    "block_dtype",
+    "run_info",
+    "status_dtype",
+]
+
+SCHEMA = "rig/session/1"
+
+RUN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
+"""What a run may be called: files are named after it."""
+
+CHUNK = 16384  # samples; hardware.md, record format
+
+
+class SessionError(Exception):
+    """A session file cannot be written or read as asked; the message is one clear sentence."""
+
+
+class WriteError(SessionError):
+    """The disk or the folder failed while a session was written; what had been flushed is kept."""
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One run (condition x repeat) that a session has room for.
+
+    name: group name, "run_0001" style. order: place in the randomised order of execution, from 1. samples: per channel,
+    settle included. settle_samples: samples before the part that counts. blocks: most blocks that will be appended.
+    t0: ISO 8601 time of drive time 0. rate (Hz), ledger_cycles: only where they differ from the session's.
+    """
+
+    name: str
+    condition: str
+    repeat: int
+    order: int
+    samples: int
+    settle_samples: int
+    blocks: int
+    t0: str = ""
+    title: str = ""
+    rate: float | None = None
+    ledger_cycles: int | None = None
+
+
+@dataclass(frozen=True)
+class SessionPlan:
+    """All that a session file holds except the samples: fixed when the file is created.
+
+    protocol_text: the protocol file, verbatim; protocol: the same, parsed. conditions: one mapping each, with "id".
+    documents, truth_documents: JSON-able values by name ("prediction", "rig", "provenance"...), the second kind for
+    simulated sessions only. ledger_columns: J per cycle each, ledger_cycles rows per run. scalars: names of the floats
+    that every run ends with. attrs: further root attributes.
+    """
+
+    rate: float
+    channels: tuple[ChannelInfo, ...]
+    runs: tuple[RunPlan, ...]
+    conditions: tuple[Mapping[str, Any], ...]
+    protocol_text: str
+    protocol: Mapping[str, Any]
+    documents: Mapping[str, Any] = field(default_factory=dict)
+    truth_documents: Mapping[str, Any] = field(default_factory=dict)
+    ledger_columns: tuple[str, ...] = ()
+    ledger_cycles: int = 0
+    scalars: tuple[str, ...] = ()
+    attrs: Mapping[str, str | int | float] = field(default_factory=dict)
+    synthetic: bool = True
+    schema: str = SCHEMA
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """A run as a record shows it. samples: valid ones so far, of `planned`; flags: sticky `Flag` bits over the run."""
+
+    name: str
+    condition: str
+    repeat: int
+    order: int
+    samples: int
+    settle_samples: int
+    complete: bool
+    flags: int
+    planned: int
+    rate: float
+    t0: str
+    title: str
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """Samples of one channel in engineering units (certified sensitivity). flags: `Flag` bits of the blocks read."""
+
+    samples: npt.NDArray[np.float64]
+    rate: float
+    unit: str
+    flags: int
+
+
+status_dtype = np.dtype([("samples", "<u8"), ("blocks", "<u4"), ("complete", "u1"), ("flags", "<u2")])
+
+
+def block_dtype(channels: int) -> np.dtype[np.void]:
+    """Row of a run's `blocks` table."""
+    per_channel = (channels,)
+    return np.dtype(
+        [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", per_channel), ("clipped", "<u4", per_channel)]
+    )
+
+
+def run_info(plan: RunPlan, status: Any) -> RunInfo:
+    """A run from its plan (with its own rate) and its row of the status table."""
+    return RunInfo(
+        name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
+        samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),
+        flags=int(status["flags"]), planned=plan.samples, rate=float(plan.rate or 0.0), t0=plan.t0, title=plan.title,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""What is measured: one module a problem, and the references that answers are compared with."""

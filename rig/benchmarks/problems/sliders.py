@@ -1,0 +1,133 @@
+"""Sliders and slugs with a known answer: what the integrators are compared on.
+
+One mass in a box that moves as x = sin theta; units of the waveform (acceleration A, velocity A/omega, length
+A/omega^2, energy m V^2). u in [0, play] is the mass's place in the box, z = u' its velocity against the box:
+
+    z' = sin(theta) - gravity - band sign(z),    u = 0 or play: z -> -restitution z,
+
+and where z = 0 the mass rests as long as |sin(theta) - gravity| <= band or a wall is in its way. `band` > 0 makes a
+slider with Coulomb friction, `gravity` = 1/Gamma > 0 a slug on a floor, with a lid at `play` where that is finite.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rig.benchmarks.problems.reference import energies
+
+WIDE = 40.0
+"""Free play out of reach: a slider without friction in a box so wide would cross it in more than 8 cycles."""
+
+START_MIDDLE = 20.0
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A problem with its answer.
+
+    start : mode (0 at rest, +1 or -1 the direction of sliding), u and z at phase 0
+    settle : cycles until its orbit is steady; period : of the orbit, cycles
+    exact : energy lost per cycle, m V^2; source : of that value, "closed form" or "reference"
+    """
+
+    name: str
+    band: float
+    play: float
+    restitution: float
+    gravity: float
+    exact: float
+    source: str = "closed form"
+    start: tuple[int, float, float] = (0, 0.0, 0.0)
+    settle: int = 4
+    period: int = 1
+
+
+def sliding_block(eta: float) -> Slider:
+    """Block on a rough floor that never rests, eta < 0.537: W = 4 eta sqrt(1 - (pi eta/2)^2).
+
+    It starts on its orbit: it turns round where cos theta = pi eta/2, and is half a cycle later where it was, mirrored.
+    """
+    turn = math.acos(0.5 * math.pi * eta)
+    z = -(math.cos(turn) + 1.0 - eta * (math.pi - turn))
+    exact = 4.0 * eta * math.sin(turn)
+    return Slider(f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, exact, start=(-1, START_MIDDLE, z))
+
+
+def resting_block(eta: float) -> Slider:
+    """Block on a rough floor that rests twice per cycle, 0.537 < eta < 1: it starts where sin theta = eta."""
+    begin = math.asin(eta)
+    stop = _root(lambda t: math.cos(begin) - math.cos(t) - eta * (t - begin), math.pi - begin, begin + math.pi)
+    way = math.cos(begin) * (stop - begin) - math.sin(stop) + eta - 0.5 * eta * (stop - begin) ** 2
+    return Slider(f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, 2.0 * eta * way, start=(0, START_MIDDLE, 0.0))
+
+
+def weightless(play: float) -> Slider:
+    """Plastic slider without friction (zero gravity), play <= pi: tau - sin tau = play, W = (1 - cos tau)^2."""
+    tau = _root(lambda t: t - math.sin(t) - play, 0.0, 2.0 * math.pi)
+    return Slider(f"weightless, gap {play:g}", 0.0, play, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2)
+
+
+def rough(band: float, play: float) -> Slider:
+    """Plastic slider with friction that reaches the other wall and waits there: W = 2 band play + z^2.
+
+    It leaves where sin theta = band; `play` has to be small enough for it to arrive while it is still pressed on.
+    """
+    begin = math.asin(band)
+
+    def way(t: float) -> float:
+        return math.cos(begin) * (t - begin) - math.sin(t) + band - 0.5 * band * (t - begin) ** 2 - play
+
+    hit = _root(way, begin, begin + math.pi)
+    z = math.cos(begin) - math.cos(hit) - band * (hit - begin)
+    return Slider(f"friction {band:g}, gap {play:g}", band, play, 0.0, 0.0, 2.0 * band * play + z * z)
+
+
+def elastic(band: float, play: float, restitution: float, settle: int = 8) -> Slider:
+    """Slider that rebounds; the answer comes from `reference`, closed flights with roots of their own."""
+    found = energies(band, play, restitution, 0.0, (0, 0.0, 0.0), settle + 1)
+    return Slider(
+        f"e {restitution:g}, friction {band:g}", band, play, restitution, 0.0, found[-1], "reference",
+        settle=settle,
+    )  # fmt: skip
+
+
+def slug(level: float) -> Slider:
+    """Plastic slug on a floor, no lid, Gamma = `level`: leaves where sin theta = 1/Gamma, lands at the first root."""
+    gravity = 1.0 / level
+    begin = math.asin(gravity)
+
+    def height(t: float) -> float:
+        return math.cos(begin) * (t - begin) - math.sin(t) + gravity - 0.5 * gravity * (t - begin) ** 2
+
+    apex = _root(
+        lambda t: math.cos(begin) - math.cos(t) - gravity * (t - begin), math.pi - begin, begin + 3.0 * math.pi
+    )
+    land = _root(height, apex, apex + 2.0 * math.pi)
+    z = math.cos(begin) - math.cos(land) - gravity * (land - begin)
+    return Slider(f"slug, Gamma {level:g}", 0.0, WIDE, 0.0, gravity, 0.5 * z * z)
+
+
+def lidded_slug(level: float, gap: float) -> Slider:
+    """Plastic slug that is thrown against a lid and falls back when the box's acceleration lets it."""
+    found = energies(0.0, gap, 0.0, 1.0 / level, (0, 0.0, 0.0), 5)
+    return Slider(f"slug, Gamma {level:g}, gap {gap:g}", 0.0, gap, 0.0, 1.0 / level, found[-1], "reference")
+
+
+@lru_cache
+def sliders() -> tuple[Slider, ...]:
+    """Sliders of the comparison: friction without rest, with rest, impacts without friction, both, and a rebound."""
+    return sliding_block(0.3), resting_block(0.7), weightless(1.0), rough(0.1, 1.3), elastic(0.2, 1.3, 0.25)
+
+
+@lru_cache
+def slugs() -> tuple[Slider, ...]:
+    """Slugs of the comparison: barely thrown (the gap grows like t^3), thrown, thrown far, and against a lid."""
+    return slug(1.01), slug(1.5), slug(2.5), lidded_slug(4.0, 1.0)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(function, low, high, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))

@@ -1,0 +1,1 @@
+"""What comes of the measurements: curves, claims, tables, figures, a page."""

@@ -1,0 +1,88 @@
+"""`fidelity: auto` for a whole protocol: every condition with its instruments, and what the session tells of it."""
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from analysis.uncertainty.budget import angle_uncertainty, noise_at
+from daq.chain.fir import DELAY
+from daq.chain.frontend import FILTER_DELAY
+from rig.beds.janssen_stack import nominal
+from rig.beds.registry import BEDS
+from rig.catalog.entries import Rig
+from rig.drive.waveform import Sampling, Waveform
+from rig.fidelity.choice import Choice
+from rig.fidelity.choose import Asked, Noise, choose
+from rig.fidelity.rows import SHARE
+from rig.protocol.spec import Condition, Protocol
+from rig.stand.box import box_mass, losses_of
+from rig.stand.channels import Instruments
+
+COSTS = ("auto", "written", "resolved")
+
+
+def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments) -> dict[str, Choice]:
+    """The choice for every condition, by id. Raises InputError where a bed cannot be followed."""
+    asked = Asked.of(protocol)
+
+    def one(condition: Condition) -> Choice:
+        mass = _moving_mass(condition, rig)
+        motion = Waveform(condition.drive.frequency, condition.drive.acceleration)
+        losses = float(losses_of(condition.scene, rig, mass).energies(motion).sum())
+        return choose(condition, rig, asked, _noise(condition, tools, mass), losses)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return {c.id: choice for c, choice in zip(conditions, pool.map(one, conditions), strict=True)}
+
+
+def choices_text(choices: Mapping[str, Choice]) -> str:
+    """A line for each condition: what a session has to agree with to be gone on with."""
+    return "".join(
+        f"{name}: {f'{c.rows} rows, ' if c.rows else ''}settle {c.settle} cycles, record {c.record} cycles\n"
+        for name, c in choices.items()
+    )
+
+
+def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]:
+    """The choices as the session and the report tell them; costs are sums over all runs."""
+    every = tuple(choices.values())
+    return {
+        "mode": "auto",
+        "tolerance": every[0].tolerance,
+        "rows_share": SHARE,
+        "conditions": [{"id": name, **choice.document()} for name, choice in choices.items()],
+        "cycles": {
+            "auto": runs * sum(c.settle + c.record for c in every),
+            "written": runs * sum(c.written[1] + c.written[2] for c in every),
+            "resolved": runs * sum(c.resolved[1] + c.resolved[2] for c in every),
+        },
+        "row_cycles": {name: runs * sum(c.row_cycles[name] for c in every) for name in COSTS}
+        | {"planning": sum(c.row_cycles["planning"] for c in every)},
+        "not_met": [name for name, choice in choices.items() if not choice.met],
+    }
+
+
+def _moving_mass(condition: Condition, rig: Rig) -> float:
+    """Box, gauge side and bed, kg."""
+    scene, drive = condition.scene, condition.drive
+    bed = BEDS[scene.bed](
+        scene, rig, nominal(scene, rig), Sampling(Waveform(drive.frequency, drive.acceleration), 64.0)
+    )
+    return box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + bed.mass
+
+
+def _noise(condition: Condition, tools: Instruments, mass: float) -> Noise:
+    """The instruments in one condition. The force is that of the whole mass riding: a sliding bed asks for no more."""
+    drive = condition.drive
+    rate = tools.analyzer.rate_for(drive.frequency, condition.acquire.samples_per_cycle)
+    per_cycle = rate / drive.frequency
+    force, acceleration = tools.table(rate, FILTER_DELAY)[:2]
+    omega = 2.0 * math.pi * drive.frequency
+    reactive = math.pi / omega**2 * mass * drive.acceleration**2
+    noise = noise_at(
+        drive.frequency, mass * drive.acceleration, drive.acceleration, force, acceleration, round(per_cycle), rate
+    )
+    angle = angle_uncertainty(force, acceleration, drive.frequency).U
+    return Noise(noise, reactive * angle, math.ceil(DELAY / per_cycle))

@@ -1,0 +1,125 @@
+"""Which claims of a protocol its repeats can decide: the report's own tests, on sessions as they are to be expected.
+
+Every condition has the energy that was looked at, its refills are drawn from the predicted ones, and instruments are
+as their certificates say. What the tests say in four of five such sessions is expected of the one to come.
+"""
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from analysis.comparison.claims import judge
+from analysis.energy.energies import Energy
+from analysis.results.condition import Result, evaluate
+from analysis.results.run import RunEnergy
+from analysis.session.setting import Setting
+from analysis.uncertainty.budget import noise_of
+from daq.chain.channel import ChannelInfo
+
+__all__ = ["MOST", "Decision", "Expected", "decisions"]
+
+UNDECIDED = "undecided"
+MOST = 100
+TRIED = (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, MOST)
+"""Numbers of repeats."""
+SHARE = 0.8
+"""Of the drawn sessions, in which a claim has to be decided."""
+DRAWN, FEWEST, SEED = 40, 3, 1
+"""Repeats drawn over all sessions of one number of repeats, sessions at least, and the seed."""
+
+
+@dataclass(frozen=True)
+class Expected:
+    """A condition as it will be measured: facts of the session, energy W that is expected (J per
+    cycle), apparent mass (kg), level (m/s^2), its entry in the prediction document, the samples that
+    count, energies of poured beds over W_T."""
+
+    facts: Mapping[str, Any]
+    W: float
+    mass: float
+    level: float
+    entry: Mapping[str, Any] | None
+    samples: int
+    refills: Sequence[float]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest of TRIED with which
+    it is decided in `SHARE` of the sessions, None where MOST are not enough; found: what such a session finds; why: in
+    the report's words."""
+
+    claim: str
+    verdict: str
+    repeats: int | None
+    found: str
+    why: str
+
+
+def decisions(
+    claims: Sequence[Mapping[str, Any]], expected: Sequence[Expected], channels: Sequence[ChannelInfo], repeats: int
+) -> list[Decision]:
+    """Return what can be decided of each claim (entries of `rig.campaign.claim_cases.cases`)."""
+    if not claims:
+        return []
+    by_name = {channel.name: channel for channel in channels}
+
+    @cache
+    def told(n: int) -> list[list[dict[str, Any]]]:
+        """The report's entries of all claims, of each drawn session of n repeats."""
+        streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
+        return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
+
+    return [_decision(place, claim["claim"], told, repeats) for place, claim in enumerate(claims)]
+
+
+def _decision(place: int, claim: str, told: Callable[[int], list[list[dict[str, Any]]]], repeats: int) -> Decision:
+    """What is decided of the claim at a place, `told` giving the entries of all claims by session."""
+
+    def leading(n: int) -> tuple[str, float, float]:
+        """The most frequent verdict with its share of the sessions, and the share that are decided."""
+        found = [session[place]["verdict"] for session in told(n)]
+        verdict, count = Counter(found).most_common(1)[0]
+        return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)
+
+    needed: int | None = None
+    if leading(MOST)[2] >= SHARE:
+        needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
+    verdict, share, _ = leading(repeats)
+    shown = repeats if needed is not None and needed <= repeats else needed or MOST
+    row = next(session[place] for session in told(shown) if session[place]["verdict"] == leading(shown)[0])
+    return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row["found"], row["why"])
+
+
+def _results(
+    expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], n: int, rng: np.random.Generator
+) -> dict[str, Result]:
+    found = {}
+    for one in expected:
+        setting = Setting.of(one.facts)
+        W = _energies(one, n, rng)
+        phasor = np.array([one.level + 0j])
+        runs = []
+        for place, w in enumerate(W, 1):
+            turned = np.asarray(
+                one.mass * phasor + 1j * w * (2.0 * np.pi * setting.frequency) ** 2 / (np.pi * one.level), complex
+            )
+            cycles = max(int(setting.record_cycles), 1)
+            energy = Energy(setting.frequency, cycles, w, np.full(cycles, w), w, 0.0, w, turned, phasor)
+            noise = noise_of(energy, channels["force"], channels["acceleration"], one.samples)
+            runs.append(RunEnergy(f"{setting.id}_{place}", setting.id, place, place, energy, u_noise=noise))
+        found[setting.id] = evaluate(setting, runs, one.entry, channels)
+    return found
+
+
+def _energies(one: Expected, n: int, rng: np.random.Generator) -> list[float]:
+    """W of n repeats, J per cycle: refills drawn from the predicted ones."""
+    if n == 1 or not one.refills or one.entry is None:
+        return [one.W] * n
+    W_T = float(np.median(one.entry["W_T"]))
+    return [float(one.W + W_T * (ratio - 1.0)) for ratio in rng.choice(one.refills, n)]

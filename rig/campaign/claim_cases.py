@@ -1,0 +1,138 @@
+"""Which conditions decide each claim of a protocol: plain data, so that the analysis needs no protocol to judge it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import is_dataclass
+from functools import reduce
+from typing import Any
+
+from rig.documents.decode import annotation_at, quantity_of
+from rig.protocol.claims import LISTS
+from rig.protocol.spec import Condition, Expect, Protocol
+from rig.units import UNITS
+
+Pick = Callable[[Condition], Any]
+
+
+def cases(protocol: Protocol, conditions: Sequence[Condition]) -> list[dict[str, Any]]:
+    """The claims for the session file: words, kind, limits, and `cases` with the conditions of each.
+
+    A case is {"at": {path: text}, "levels": [{"value": text, "conditions": [ids]}]}: one of the combinations of the
+    other fields that vary. Levels stand in the order of the claim; a level has several conditions where the claim is
+    about a mean over them. A value that no condition has gives no level.
+    """
+    return [_claim(claim, protocol, conditions) for claim in protocol.expect]
+
+
+TOLD = {"scene.bed", "scene.grains.material", "scene.grains.density", "scene.grains.diameter", "scene.grains.fill",
+        "drive.mode", "drive.frequency", "drive.acceleration"}  # fmt: skip
+"""Paths whose values the report's table of conditions has anyway."""
+
+
+def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
+    """What else the protocol varies, by the last word of its path: the condition's values for people."""
+    paths = [path for axis in protocol.vary for path in axis.paths if path not in TOLD and "." in path]
+    return {
+        path.rpartition(".")[2]: _text(path, _at(condition, path))
+        for path in paths
+        if not is_dataclass(_at(condition, path))
+    }
+
+
+def label(path: str, value: Any) -> str:
+    """A field's value for people: "5 mm", "0.90", "stainless"."""
+    quantity = quantity_of(annotation_at(Protocol, path))
+    if quantity is None or isinstance(value, str | bool) or value is None:
+        return str(value)
+    if quantity.dimension == "number":
+        return f"{value:.2f}" if isinstance(value, float) and round(value, 2) == value else f"{value:.6g}"
+    numbers = {unit: f"{value / float(scale):.6g}" for unit, scale in UNITS[quantity.dimension].items()}
+    shortest = min(numbers, key=lambda unit: len(numbers[unit]))
+    return f"{numbers[shortest]} {shortest}"
+
+
+def _claim(claim: Expect, protocol: Protocol, conditions: Sequence[Condition]) -> dict[str, Any]:
+    chosen = [c for c in conditions if all(_at(c, path) in values for path, values in claim.at.items())]
+    found = _cases(claim, _others(claim, protocol), chosen)
+    return {
+        "claim": claim.claim,
+        "kind": claim.kind,
+        "about": claim.path,
+        "over": claim.over,
+        "values": [label(claim.path, value) for value in claim.values],
+        "limits": list(claim.limits),
+        "imposed": claim.imposed,
+        "cases": found,
+    }
+
+
+def _at(condition: Condition, path: str) -> Any:
+    return reduce(getattr, path.split("."), condition)
+
+
+def _others(claim: Expect, protocol: Protocol) -> list[str]:
+    """The varied paths that tell one case from another: not what the claim is about, nor what varies with it."""
+    paths = []
+    for axis in protocol.vary:
+        about = [axis.paths.index(path) for path in (claim.path, claim.over) if path in axis.paths]
+        rows = [[row[column] for column in about] for row in axis.rows]
+        if about and all(rows.count(row) == 1 for row in rows):
+            continue  # the other paths of this axis vary with it, one value for each of its own
+        paths += [path for path in axis.paths if path not in (claim.path, claim.over)]
+    return paths
+
+
+def _cases(claim: Expect, others: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str, Any]]:
+    if claim.kind == "offset_within":
+        return _groups([claim.path] if claim.path else [], chosen)
+    groups: dict[str, tuple[dict[str, str], list[Condition]]] = {}
+    for condition in chosen:
+        at = {path: _text(path, _at(condition, path)) for path in others}
+        groups.setdefault(str(at), (at, []))[1].append(condition)
+    named = _distinct([at for at, _ in groups.values()])
+    return [
+        {"at": at, "levels": levels}
+        for at, (_, members) in zip(named, groups.values(), strict=True)
+        if (levels := _levels(claim, members))
+    ]
+
+
+def _text(path: str, value: Any) -> str:
+    return ", ".join(map(str, value)) or "none" if isinstance(value, tuple) else label(path, value)
+
+
+def _groups(paths: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str, Any]]:
+    """Conditions together for each value of the paths, as one level."""
+    found: dict[str, dict[str, Any]] = {}
+    for condition in chosen:
+        at = {path: _text(path, _at(condition, path)) for path in paths}
+        case = found.setdefault(str(at), {"at": at, "levels": [{"value": "", "conditions": []}]})
+        case["levels"][0]["conditions"].append(condition.id)
+    return list(found.values())
+
+
+def _distinct(places: Sequence[dict[str, str]]) -> list[dict[str, str]]:
+    """The places without the fields that are the same in all of them."""
+    differing = [path for path in (places[0] if places else ()) if len({place[path] for place in places}) > 1]
+    return [{path: place[path] for path in differing} for place in places]
+
+
+def _levels(claim: Expect, members: Sequence[Condition]) -> list[dict[str, Any]]:
+    """The values that take part, in the order of the claim, with the conditions that have them."""
+    values = list(dict.fromkeys(_at(condition, claim.path) for condition in members))
+    if claim.kind in ("rise", "fall") and all(isinstance(value, int | float) for value in (*values, *claim.values)):
+        first, last = claim.values
+        inside = [value for value in values if min(first, last) <= value <= max(first, last)]
+        values = sorted(inside, reverse=first > last)
+    elif claim.kind in ("order", "rise", "fall", "nearly_zero"):
+        values = [value for value in claim.values if value in values]
+    elif claim.kind not in LISTS:
+        values.sort()
+    return [
+        {
+            "value": label(claim.path, value),
+            "conditions": [condition.id for condition in members if _at(condition, claim.path) == value],
+        }
+        for value in values
+    ]

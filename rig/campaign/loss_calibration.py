@@ -1,0 +1,121 @@
+"""Setting the emulated rig's losses, once: from the ledger with ideal sensors, never from a factor on W."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.comparison.offset_terms import Actual
+from analysis.session.prediction import Curve
+from analysis.uncertainty.budget import angle_uncertainty
+from daq.chain.frontend import FILTER_DELAY
+from rig.campaign.campaign import Campaign
+from rig.catalog.entries import Rig
+from rig.catalog.rig_file import rig_with_losses
+from rig.drive.losses import drag_of_box, quadratic_energy, sound_of_box
+from rig.drive.waveform import viscous_energy
+from rig.errors import InputError, Mistake
+from rig.prediction.document import predictions
+from rig.protocol.schedule import Run
+from rig.stand.exact_waveform import account_of, level, taken_by_bed
+
+
+@dataclass(frozen=True)
+class Account:
+    """One run without noise and air, J per cycle: what bed, gas and mount took, W_T at the level reached, and what
+    unit coefficients of noise and air would take."""
+
+    there: float
+    predicted: float
+    noise: float
+    air: float
+
+
+def calibrated(
+    campaign: Campaign, target: float, workers: int, progress: Callable[[int, int], None] = lambda _done, _of: None
+) -> Rig:
+    """The campaign's rig with `noise` and `air` set in equal shares so that sum W_exp / sum W_T = 1 + target.
+
+    Gas and mount count with the bed where the protocol lists them. Raises InputError where a null test of the
+    instruments would fail, and where the protocol dissipates nothing or its beds already take more than that.
+    `progress` is called with the runs done, of how many.
+    """
+    _check_nulls(campaign)
+    accounts = _accounts(campaign, workers, progress)
+    there, predicted, noise, air = (
+        sum(getattr(account, name) for account in accounts) for name in ("there", "predicted", "noise", "air")
+    )
+    missing = (1.0 + target) * predicted - there
+    if not predicted > 0.0 or missing < 0.0:
+        raise InputError(
+            Mistake("--target", "", f"{target:g}; W_T sums to {predicted:.4g} J, {there:.4g} J are taken already",
+                    "a protocol that dissipates, and a target that leaves something for the losses")
+        )  # fmt: skip
+    coefficients = {"noise": 0.5 * missing / noise, "air": 0.5 * missing / air}
+    return rig_with_losses(
+        campaign.rig, coefficients["noise"], coefficients["air"], _provenance(campaign, target, coefficients)
+    )
+
+
+def _check_nulls(campaign: Campaign) -> None:
+    """Refuse instruments whose locked bed would not look like mass: energies that they measure hold a phase error.
+
+    The angle that correction by the certified poles leaves, from the actual ones, against its expanded uncertainty.
+    """
+    tools, rate = campaign.instruments, campaign.lengths[campaign.conditions[0].id].rate
+    info = {channel.name: channel for channel in tools.table(rate, FILTER_DELAY)}
+    actual = Actual({c.name: asdict(state) for c, state in zip(tools.channels, tools.states, strict=True)}, 0.0)
+    for frequency in sorted({condition.drive.frequency for condition in campaign.conditions}):
+        omega = 2.0 * np.pi * frequency
+        force, acceleration = (actual.response(info[name], omega) for name in ("force", "acceleration"))
+        angle = float(np.angle(force * acceleration.conjugate()))
+        U = angle_uncertainty(info["force"], info["acceleration"], frequency).U
+        if abs(angle) > U:
+            raise InputError(
+                Mistake("", "acquire.sensors", f"a null angle of {1e3 * angle:.3g} mrad at {frequency:g} Hz",
+                        f"within its uncertainty of {1e3 * U:.3g} mrad: calibrate the sensors (another seed) first")
+            )  # fmt: skip
+
+
+def _accounts(campaign: Campaign, workers: int, progress: Callable[[int, int], None]) -> Sequence[Account]:
+    tables = predictions(campaign.conditions, campaign.rig, workers, campaign.averaged)
+    with ThreadPoolExecutor(workers) as pool:
+        found = []
+        try:
+            for account in pool.map(lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs):
+                found.append(account)
+                progress(len(found), len(campaign.runs))
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return found
+
+
+def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Account:
+    motion = campaign.motion(run)
+    account = account_of(campaign.stand(run), run.condition.acquire)
+    return Account(
+        there=taken_by_bed(account) + account["W_gas"] + account["W_mount"],
+        predicted=Curve.of(table["acceleration"], table["W_T"])(level(motion)),
+        noise=viscous_energy(1.0, motion),
+        air=quadratic_energy(1.0, motion),
+    )
+
+
+def _provenance(campaign: Campaign, target: float, found: dict[str, float]) -> dict[str, Any]:
+    """How the coefficients came about, beside their first-principles sizes: effective values, no explanation."""
+    cavity = campaign.conditions[0].scene.cavity
+    height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
+    omega = 2.0 * np.pi * campaign.conditions[0].drive.frequency
+    first = {"noise": sound_of_box(height, width, length, omega), "air": drag_of_box(height, width)}
+    return {
+        "protocol": campaign.protocol.name,
+        "seed": campaign.protocol.seed,
+        "target": target,
+        "runs": len(campaign.runs),
+        "method": "equal shares of (1 + target) sum W_T - sum W_bed, from the ledger, ideal sensors",
+        **{f"{name}_first_principles": value for name, value in first.items()},
+        **{f"{name}_over_first_principles": found[name] / first[name] for name in found},
+    }

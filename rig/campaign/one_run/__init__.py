@@ -1,0 +1,1 @@
+"""The road of one run: how it starts, what is recorded, what is deliberately done wrong."""

@@ -1,0 +1,62 @@
+"""A protocol's mistake at work: in the actual instruments, in what reaches them, and in what the session tells."""
+
+from dataclasses import replace
+from typing import Any
+
+from daq.chain.fir import OVERSAMPLING
+from daq.chain.source import PhysicalSource
+from daq.faults.in_sources import AcCoupled, Drifting, Late, Offset
+from rig.catalog.entries import Rig
+from rig.drive.coil_force import Armature, CoilForce
+from rig.drive.waveform import Waveform
+from rig.protocol.deliberate_errors import AC_CORNER, BadPractice
+from rig.protocol.spec import LOOP_BACK, Condition
+from rig.stand.channels import CHANNELS, Instruments
+
+ACCELERATION = CHANNELS.index("acceleration")
+
+
+def spoiled(tools: Instruments, practice: BadPractice) -> Instruments:
+    """The instruments with the accelerometer's actual time constant off by the factor of `pole`."""
+    certified = tools.channels[ACCELERATION].transducer.time_constant
+    if practice.pole is None or certified is None:
+        return tools
+    states = list(tools.states)
+    states[ACCELERATION] = replace(states[ACCELERATION], time_constant=practice.pole * certified)
+    return replace(tools, states=tuple(states))
+
+
+def seen(
+    source: PhysicalSource, practice: BadPractice, condition: Condition, rig: Rig, motion: Waveform
+) -> PhysicalSource:
+    """What reaches the transducers of a run; the source itself where the mistake lies elsewhere, or none is made."""
+    if practice.corners is not None:
+        return AcCoupled(source, (AC_CORNER, AC_CORNER * (1.0 + practice.corners)))
+    if practice.skew is not None:
+        return Late(source, ACCELERATION, practice.skew * OVERSAMPLING)
+    if practice.clock is not None:
+        return Drifting(source, ACCELERATION, 1e-6 * practice.clock)
+    if condition.scene.bed == LOOP_BACK:  # neither the coil nor the sensors are in it
+        return source
+    if practice.coil:
+        return CoilForce(source, Armature.of(rig.exciter), motion)
+    if practice.offset is not None:
+        return Offset(source, ACCELERATION, practice.offset * condition.drive.acceleration)
+    return source
+
+
+def told(practice: BadPractice, rig: Rig, rate: float) -> dict[str, Any] | None:
+    """What the report needs to know of the mistake: its kind, its value and what its rule takes (SI)."""
+    kind = practice.kind
+    if kind is None:
+        return None
+    facts: dict[str, Any] = {"kind": kind, "value": float(getattr(practice, kind))}
+    if kind == "corners":
+        facts["corner"] = AC_CORNER
+    elif kind == "skew":
+        facts["delay"] = facts["value"] / rate
+    elif kind == "coil":
+        facts["value"] = Armature.of(rig.exciter).damping
+    elif kind == "friction":
+        facts |= {"value": rig.guide_friction, "gravity": rig.gravity}
+    return facts

@@ -1,0 +1,49 @@
+"""A protocol's faults at work in the blocks of a run."""
+
+import math
+from dataclasses import replace
+
+from daq.chain.acquisition import Acquisition
+from daq.chain.frontend import FILTER_DELAY
+from daq.faults.in_blocks import Fault, Faulted
+from daq.random_streams import stream
+from rig.protocol.faults import Fault as Asked
+from rig.protocol.schedule import Lengths, Run
+from rig.protocol.spec import Protocol
+from rig.stand.channels import Instruments
+
+
+def with_faults(
+    acquisition: Acquisition, protocol: Protocol, run: Run, tools: Instruments, size: Lengths, lead: int
+) -> Acquisition:
+    """The acquisition with those faults that the protocol has for this run; the acquisition itself where it has none.
+
+    lead: samples read of it before the record, in which no fault is. Each fault has its own random stream, by its kind,
+    channel and start: a fault more changes no other.
+    """
+    names, period = acquisition.channels, size.rate / run.condition.drive.frequency
+    found = [
+        (fault, _placed(fault, names.index(fault.channel), period, size.samples))
+        for fault in protocol.faults
+        if fault.repeat in (None, run.repeat) and fault.channel in names
+    ]
+    found = [(asked, fault) for asked, fault in found if fault.start < size.samples]
+    if not found:
+        return acquisition
+    words = (run.condition.seed_key, str(run.repeat), "fault")
+    noise = [stream(protocol.seed, *words, a.kind, a.channel, repr(a.start)) for a, _ in found]
+    spec, channels = tools.analyzer, tools.channels
+    late = [replace(fault, start=fault.start + lead, stop=fault.stop + lead) for _, fault in found]
+    floor = [spec.noise_in_band(c.range_V, size.rate) / spec.volts_per_code(c.range_V) for c in channels]
+    iepe = [channel.coupling == "IEPE" for channel in channels]
+    return Faulted(acquisition, late, noise, floor, iepe)
+
+
+def _placed(asked: Asked, row: int, period: float, samples: int) -> Fault:
+    """A fault in samples of the record: sample n shows drive time (n - FILTER_DELAY) / rate."""
+    start = math.ceil(asked.start * period + FILTER_DELAY)
+    if asked.duration is not None:
+        stop = max(math.ceil((asked.start + asked.duration) * period + FILTER_DELAY), start + 1)
+    else:
+        stop = start + 1 if asked.kind == "spike" else samples
+    return Fault(asked.kind, row, start, stop, asked.size)

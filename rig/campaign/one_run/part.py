@@ -1,0 +1,46 @@
+"""What a run comes in, wherever it is computed: blocks with their ledger rows."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.chain.block import Block, Flag
+from daq.chain.clock import NEVER_LATE, Overrun, Pacer, Punctuality
+
+
+@dataclass(frozen=True)
+class Part:
+    """A block of a run, with the ledger rows that belong to it; the last of a run brings its scalars and flags, and how
+    late its blocks came."""
+
+    run: str
+    block: Block
+    ledger: NDArray[np.float64]
+    scalars: Mapping[str, float] | None = None
+    flags: int = 0
+    punctuality: Punctuality = NEVER_LATE
+
+    def ended(self, punctuality: Punctuality) -> "Part":
+        """With how late the run's blocks came, where it is the last of the run."""
+        return self if self.scalars is None else replace(self, punctuality=punctuality)
+
+    def late(self) -> "Part":
+        """The part as it is recorded where it came too late: flagged, and the run not complete."""
+        return replace(self, block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)), scalars=None)
+
+
+def paced(parts: Iterable[Part], rate: float, speed: float | None) -> Iterator[Part]:
+    """Hold the parts of a run at `rate` (S/s) to `speed`: rig seconds per wall second, None as fast as possible.
+
+    Raises what computing them raises, and Overrun after the part that came too late.
+    """
+    pacer = Pacer(rate, speed)
+    for part in parts:
+        try:
+            pacer.wait(part.block.start + part.block.count)
+        except Overrun:
+            yield part.late()
+            raise
+        yield part.ended(pacer.punctuality)

@@ -1,0 +1,74 @@
+"""W_T on the waveform that was recorded: the closed tier driven by the box's measured acceleration."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.signals.correction import without_pole
+from analysis.signals.cycles import Window, on_grid, whole_cycles
+from daq.chain.block import Block
+from daq.chain.channel import ChannelInfo
+from rig.beds.janssen_stack import nominal, stack
+from rig.catalog.entries import Rig
+from rig.kernels.rows.recorded_motion import sampled_energy
+from rig.protocol.schedule import Lengths
+from rig.protocol.spec import Condition
+
+SETTLE = 10
+"""Cycles that the rows go through before their energies count."""
+
+RAMP = {"servo": 0, "coupled": 10}
+"""Cycles before those in which the motion grows, by drive: rows that have several orbits at one level land on others
+when the motion starts at once, as a servo's does, or gradually, as level control brings it up."""
+
+STILL = ("empty", "locked", "dashpot", "loop_back")
+"""Beds that dissipate nothing by the model."""
+
+NAMES = ("W_T_recorded", "W_f_recorded", "u_W_T_recorded")
+"""Scalars of a run, J per cycle: with the start of the run's own drive (`RAMP`), and what the bed's history leaves open
+as a standard uncertainty, the difference to the other start being the width of a rectangular distribution."""
+
+
+class Listener:
+    """Keeps the acceleration's codes of the cycles that are read, 64 at most, and predicts from them what the nominal
+    bed takes: a forecast from the record and the channel table, the actual instruments unknown to it."""
+
+    def __init__(self, condition: Condition, rig: Rig, size: Lengths, row: int, channel: ChannelInfo) -> None:
+        acquire = condition.acquire
+        window = whole_cycles(
+            size.samples, size.rate, condition.drive.frequency,
+            filter_delay=channel.filter_delay, settle=acquire.settle, cycles=acquire.record,
+        )  # fmt: skip
+        self._window: Window = window.segments()[0]
+        self._range = self._window.sample_range()
+        self._condition, self._rig = condition, rig
+        self._row, self._channel = row, channel
+        self._codes: list[NDArray[np.int32]] = []
+
+    def hear(self, block: Block) -> None:
+        """Take what is needed of a block."""
+        first, last = (int(np.clip(edge - block.start, 0, block.count)) for edge in self._range)
+        if last > first:
+            self._codes.append(block.codes[self._row, first:last].copy())
+
+    def scalars(self) -> dict[str, float]:
+        """`NAMES`; 0 where the bed does not slide by design, nan where there is no such prediction for it."""
+        bed_name = self._condition.scene.bed
+        if bed_name != "layers":
+            return dict.fromkeys(NAMES, 0.0 if bed_name in STILL else float("nan"))
+        window, channel = self._window, self._channel
+        volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
+        acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
+        step = 1.0 / (self._condition.drive.frequency * window.grid.points)
+        for pole in channel.time_constants:
+            acceleration = without_pole(acceleration, pole, step)
+        bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
+        band, points = np.repeat(bed.threshold, bed.play.shape[1]), window.grid.points
+        own = RAMP[self._condition.drive.mode]
+        found = bed.row_mass / window.cycles * np.array([
+            sampled_energy(band, bed.play.ravel(), bed.restitution, acceleration - acceleration.mean(), step,
+                           SETTLE * points, ramp * points)
+            for ramp in sorted(RAMP.values(), key=lambda ramp: ramp != own)
+        ])  # fmt: skip
+        total = found.sum(axis=1)
+        numbers = (total[0], found[0, 0], abs(total[1] - total[0]) / np.sqrt(12.0))
+        return dict(zip(NAMES, map(float, numbers), strict=True))

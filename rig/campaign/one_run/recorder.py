@@ -1,0 +1,92 @@
+"""From parts of runs to a session: written by one writer, each run analysed as soon as it is recorded.
+
+File and analysis are loaded where they are used: a process that computes parts needs neither, and a campaign starts its
+workers before it loads them.
+"""
+
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from daq.chain.clock import NEVER_LATE, Punctuality
+from rig.campaign.one_run.part import Part
+
+if TYPE_CHECKING:
+    from analysis.results.run import RunEnergy
+    from daq.session.record import Record
+    from daq.session.writer import Recorder
+    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.replayed_record import Fed
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A run has been recorded, `done` of `total`, and analysed; energy: None where it cannot be analysed."""
+
+    run: str
+    condition: str
+    energy: "RunEnergy | None"
+    done: int
+    total: int
+    punctuality: Punctuality = NEVER_LATE
+
+
+Watch = Callable[[Progress], None]
+
+
+class Analysis:
+    """Energies of a record's runs, each found as soon as it is complete. Runs that cannot be used have none.
+
+    done: runs that were complete before.
+    """
+
+    def __init__(self, record: "Record", watch: Watch, done: int) -> None:
+        self._record = record
+        self._watch = watch
+        self._runs = record.runs
+        self._done = done
+        self.energies: dict[str, RunEnergy] = {}
+
+    def add(self, part: Part) -> None:
+        """A run is complete: its last part."""
+        self.read(part.run, self._record)
+        self.tell(part)
+
+    def read(self, name: str, source: "Record | Fed") -> None:
+        """Find a run's energies from what holds its samples, or has them come in."""
+        from analysis.pipeline import run_energy
+        from analysis.session.record import AnalysisError
+
+        with suppress(AnalysisError):  # read_session lists it with the reason
+            self.energies[name] = run_energy(source, self._record.run(name))
+
+    def tell(self, part: Part) -> None:
+        """Tell of a run that has been read: its last part."""
+        self._done += 1
+        name, total = part.run, len(self._runs)
+        condition, energy = self._record.run(name).condition, self.energies.get(name)
+        self._watch(Progress(name, condition, energy, self._done, total, part.punctuality))
+
+
+def record_parts(
+    recorder: "Recorder", parts: Iterable[Part], watch: Watch, look: "Callable[[Look], None] | None" = None
+) -> "dict[str, RunEnergy]":
+    """Write parts, each run's in order; energies by run name, as read back from the record; `look` hears of blocks."""
+    from rig.campaign.one_run.live import Watcher
+
+    cycles: dict[str, int] = {}
+    watcher = None if look is None else Watcher(recorder.record(), look)
+    reader = Analysis(recorder.record(), watch, len(recorder.completed()))
+    for part in parts:
+        recorder.append(part.run, part.block)
+        if watcher is not None:
+            watcher.hear(part.run, part.block)
+        if part.ledger.size:
+            first = cycles.get(part.run, 0)
+            recorder.write_ledger(part.run, first, part.ledger)
+            cycles[part.run] = first + len(part.ledger)
+        if part.scalars is not None:
+            recorder.finish(part.run, part.scalars, part.flags)
+            reader.add(part)
+    return reader.energies

@@ -1,0 +1,101 @@
+"""A recorded session once more: its blocks take the road of `run`, from the acquisition to the report."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis import RunEnergy, read_session, write_report
+from daq.chain.block import Block
+from daq.chain.clock import Pacer
+from daq.chain.replay import Replayed
+from daq.session.copy import plan_of
+from daq.session.plan import RunInfo
+from daq.session.record import Record, Truth, open_session
+from daq.session.writer import Recorder
+from rig.campaign.one_run.live import Look, Watcher
+from rig.campaign.one_run.part import Part
+from rig.campaign.one_run.recorder import Analysis, Watch, record_parts
+from rig.campaign.one_run.replayed_record import Fed
+from rig.campaign.provenance import replay_provenance
+
+NO_LEDGER = np.empty((0, 0))
+
+
+def replay(
+    session: Path,
+    out: Path | None = None,
+    speed: float | None = None,
+    overwrite: bool = False,
+    progress: Watch = lambda _: None,
+    patience: float | None = None,
+    look: Callable[[Look], None] | None = None,
+) -> dict[str, Any]:
+    """Feed a session's blocks through recorder and analysis; returns the report.
+
+    With `out`, a second session and its report are written there: the same codes and the same report, byte for byte.
+    Predictions and truth are those of the session. `speed` is rig seconds per wall second (None: as fast as possible);
+    `patience` as for `daq.open_session`.
+    """
+    with open_session(session, patience) as record:
+        if out is None:
+            return read_session(record, analysed(record, speed, progress, look))
+        plan = plan_of(record, replay=replay_provenance(speed))
+        out.mkdir(parents=True, exist_ok=True)
+        with Recorder.create(out / "session.h5", plan, overwrite) as recorder:
+            energies = record_parts(recorder, recorded(record, speed), progress, look)
+            report = read_session(recorder.record(), energies)
+    write_report(report, out)
+    return report
+
+
+def analysed(
+    record: Record,
+    speed: float | None = None,
+    progress: Watch = lambda _: None,
+    look: Callable[[Look], None] | None = None,
+) -> dict[str, RunEnergy]:
+    """Energies of a record's complete runs, in their order of execution, found while their blocks come in."""
+    analysis = Analysis(record, progress, done=0)
+    watcher = None if look is None else Watcher(record, look)
+    for info in sorted(record.runs, key=lambda run: run.order):
+        ended: list[Part] = []
+
+        def blocks(info: RunInfo = info, ended: list[Part] = ended) -> Iterator[Block]:
+            for part in recorded_run(record, info, speed, None):
+                if watcher is not None:
+                    watcher.hear(part.run, part.block)
+                if part.scalars is not None:
+                    ended.append(part)
+                yield part.block
+
+        fed = Fed(record, info.name, blocks())
+        if info.complete:
+            analysis.read(info.name, fed)
+        fed.drain()
+        for part in ended:
+            analysis.tell(part)
+    return analysis.energies
+
+
+def recorded(record: Record, speed: float | None) -> Iterator[Part]:
+    """The parts of a record, runs in their order of execution, paced; of an incomplete run, what there is."""
+    truth = record.truth if record.ledger_columns else None
+    for info in sorted(record.runs, key=lambda run: run.order):
+        yield from recorded_run(record, info, speed, truth)
+
+
+def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: Truth | None) -> Iterator[Part]:
+    """The parts of one run, each with its share of the ledger; without ledger where no truth is given."""
+    acquisition, pacer = Replayed(record, info.name), Pacer(info.rate, speed)
+    count, cycles = len(acquisition.sizes), record.ledger_cycles(info.name)
+    for number, samples in enumerate(acquisition.sizes):
+        block = acquisition.read(samples)
+        pacer.wait(block.start + block.count)
+        last = info.complete and block.start + block.count == info.samples
+        rows = NO_LEDGER
+        if truth is not None:
+            rows = truth.ledger(info.name, number * cycles // count, (number + 1) * cycles // count)[1]
+        part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+        yield part.ended(pacer.punctuality)

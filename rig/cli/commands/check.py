@@ -1,0 +1,142 @@
+"""`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
+
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import asdict, replace
+
+from rig.campaign.before.decisions import MOST, Decision
+from rig.campaign.before.outlook import Outlook, decided, disk, preflight
+from rig.campaign.campaign import Campaign
+from rig.cli.terminal.output import cores, print_json, say
+from rig.cli.terminal.tables import millijoules, number, table, terminal
+
+
+def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
+    """`rig check`: a line per condition.
+
+    0 where the plan holds, 1 where it will not do what was asked: a level that is not reached, a channel that
+    overloads, a tolerance of `fidelity: auto` that is not met. With --strict 2 where any limit is exceeded.
+    """
+    outlooks = list(preflight(campaign, cores()))
+    cycles = {c.id: c.acquire.settle + c.acquire.record for c in campaign.conditions}
+    repeats = campaign.protocol.repeats.n
+    seconds = sum(o.seconds_per_cycle * cycles[o.id] for o in outlooks) * repeats / cores()
+    totals = {
+        "runs": len(campaign.runs),
+        "rig_time_s": campaign.rig_time,
+        "stand_time_s": seconds,
+        "disk_bytes": disk(campaign),
+    }
+    claims = decided(campaign, outlooks)
+    unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
+    unmet += [f"{c}: the tolerance is not met: {found.why}" for c, found in campaign.choices.items() if not found.met]
+    if as_json:
+        rows = [{**asdict(replace(o, expected=None)), "flags": list(o.flags)} for o in outlooks]
+        for row in rows:
+            del row["expected"]
+        if campaign.choices:
+            rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
+        shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
+        print_json({"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet})
+    else:
+        swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
+        _print_outlook(outlooks, totals, swept)
+        _print_decisions(claims, repeats)
+        used = {
+            "force": max(o.range_force for o in outlooks),
+            "acceleration": max(o.range_acceleration for o in outlooks),
+        }
+        told = (
+            f"{c.name} {c.range_V:g} V" + (f" ({used[c.name]:.2f} used)" if c.name in used else "")
+            for c in campaign.instruments.channels
+        )
+        terminal().print(f"ranges: {', '.join(told)}")
+        if campaign.choices:
+            _print_choices(campaign)
+    refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
+    for line in refused:
+        say(f"rig: --strict: {line}", to_stderr=True)
+    if unmet:
+        say(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", to_stderr=True)
+    return 2 if refused else 1 if unmet else 0
+
+
+def _print_decisions(found: Sequence[Decision], repeats: int) -> None:
+    """What is to be expected of each claim, and by how many repeats."""
+    lines = [
+        (
+            str(place), one.claim, one.verdict,
+            str(one.repeats) if one.repeats is not None else f"not by {MOST}", f"{one.found}: {one.why}",
+        )
+        for place, one in enumerate(found, 1)
+    ]  # fmt: skip
+    if lines:
+        title = f"Claims: what {repeats} repeats of the expected energies say, and how many decide"
+        columns = ("no.", "claim", "expected", "repeats", "found then, and why")
+        terminal().print(table(title, columns, lines, ("claim", "expected", "found then, and why")))
+
+
+def _print_choices(campaign: Campaign) -> None:
+    """What `fidelity: auto` found for each condition, and where the tolerance is out of reach."""
+    console = terminal()
+    lines = [
+        (
+            name, number(c.rows), *map(str, (c.settle, c.record)), f"{100 * c.error:.2g}",
+            *(f"{100 * part:.2g}" for part in (c.error_rows, c.error_window, c.error_noise)), "yes" if c.met else "no",
+        )
+        for name, c in campaign.choices.items()
+    ]  # fmt: skip
+    tolerance = next(iter(campaign.choices.values())).tolerance
+    title = (
+        f"Fidelity auto, tolerance {100 * tolerance:g} % of W per cycle: rows per layer, cycles, predicted error in %"
+    )
+    columns = ("id", "rows", "settle", "record", "error", "of rows", "of window", "of noise", "met")
+    console.print(table(title, columns, lines, ("id",)))
+    for name, choice in campaign.choices.items():
+        if not choice.met:
+            console.print(f"{name}: the tolerance is not met: {choice.why}")
+
+
+def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swept: Set[str]) -> None:
+    """swept: conditions that sweep, of which no level and no energy is told."""
+    console = terminal()
+    rows = [
+        (
+            o.id, o.material, o.bed, f"{100 * o.fill:g}",
+            "-" if o.id in swept else number(o.acceleration),
+            f"{o.samples_per_cycle:.0f}",
+            *(f"{share:.2f}" for share in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
+            f"{o.exciter.peak:.2f}", f"{max(o.range_force, o.range_acceleration):.2f}",
+        )
+        for o in outlooks
+    ]  # fmt: skip
+    columns = ("id", "grains", "bed", "fill", "a", "S/cyc", "force", "curr.", "volt.", "stroke", "peak", "range")
+    console.print(table("Shares of the limits of exciter and front end: 1 is the limit", columns, rows,
+                        ("id", "grains", "bed")))  # fmt: skip
+    lines = [
+        (
+            o.id, *map(millijoules, (o.W_T, o.W_exp)), *(millijoules(value, 2) for value in (
+                o.U_W_exp, o.W_detect, o.smallest_difference)),
+            "-" if o.repeats_needed is None else str(o.repeats_needed),
+        )
+        for o in outlooks if o.id not in swept
+    ]  # fmt: skip
+    energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference", "repeats for 7 %")
+    if lines:
+        console.print(
+            table(
+                "Plan, mJ per cycle: what the repeats will be able to tell (95 %), - for one repeat; repeats for "
+                "U of 7 %",
+                energies,
+                lines,
+                ("id",),
+            )
+        )
+    if swept:
+        console.print(f"No energy is stated of sweeps: {', '.join(sorted(swept))}")
+    for o in outlooks:
+        for flag in o.flags:
+            console.print(f"{o.id}: {flag}")
+    console.print(
+        f"{totals['runs']} runs, {totals['rig_time_s']:.0f} s of rig time, "
+        f"about {totals['stand_time_s']:.1f} s on the stand, {totals['disk_bytes'] / 1e6:.1f} MB"
+    )

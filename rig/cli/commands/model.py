@@ -1,0 +1,39 @@
+"""`rig model`: both tiers of W_T without a stand, hence without instruments, records and analysis."""
+
+from rig.catalog.rig_file import load_rig
+from rig.cli.terminal.output import print_json
+from rig.cli.terminal.tables import millijoules, number, table, terminal
+from rig.fidelity.choose import resolved
+from rig.prediction.document import model_row
+from rig.prediction.model import predict
+from rig.protocol.grid import conditions
+from rig.protocol.load import LoadedProtocol
+
+TITLE = (
+    "Energies in mJ per cycle: closed tier, paper tier (`paper`), bound; longest period of a row in cycles, 0 for none"
+)
+
+
+def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
+    """`rig model`."""
+    rig = load_rig(loaded.protocol.rig)
+    found = resolved(loaded.protocol, conditions(loaded.protocol), rig)
+    rows = [model_row(condition, predict(condition, rig, cycles)) for condition, cycles in found]
+    if as_json:
+        print_json({"conditions": rows})
+        return
+    lines = [
+        (
+            row["id"], row["material"], f"{1e3 * row['diameter']:g}", row["bed"], f"{100 * row['fill']:g}",
+            number(row["acceleration"]), *map(millijoules, (row["W_f"], row["W_c"], row["W_T"], row["W_T_paper"],
+                                                            row["bound"])), str(row["period"]),
+        )
+        for row in rows
+    ]  # fmt: skip
+    columns = ("id", "grains", "d", "bed", "fill", "a", "W_f", "W_c", "W_T", "paper", "bound", "per.")
+    console = terminal()
+    console.print(table(TITLE, columns, lines, ("id", "grains", "bed")))
+    for row in rows:
+        for name, label in (("W_T", "closed tier"), ("W_T_paper", "paper tier")):
+            if row["bed"] == "layers" and row[name] > row["bound"]:
+                console.print(f"{row['id']}: the {label} lies above the bound: impossible at this level")

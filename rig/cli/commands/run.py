@@ -1,0 +1,61 @@
+"""`rig run`: a campaign on the stand, with a live view; refuses before it computes."""
+
+import os
+from pathlib import Path
+
+from rig.campaign.campaign import Campaign
+from rig.campaign.runner import run as run_campaign
+from rig.cli.terminal.live import lines_of, live_view, timing
+from rig.cli.terminal.output import PASSES, cores, print_json, print_result
+from rig.cli.terminal.tables import terminal
+from rig.errors import InputError, Mistake
+
+
+def run_protocol(
+    campaign: Campaign, out: Path, workers: int | None, speed: float | None, resume: bool, force: bool, strict: bool,
+    as_json: bool,
+) -> int:  # fmt: skip
+    """`rig run`: 0 where the verdict passes, 1 where it does not."""
+    check_folder(out, resume, force)
+    count = workers or cores()
+    console = terminal(stderr=True, quiet=as_json)
+    if strict:
+        _refuse_beyond(campaign, count)
+    with live_view(lines_of(campaign), console) as view:
+        look = view.look if view.looks else None
+        report = run_campaign(campaign, out, count, speed, resume, force, view.step, look)
+    if timing(view):
+        console.print(timing(view))
+    if as_json:
+        print_json(report)
+    else:
+        print_result(report, out)
+    return 0 if report["verdict"] == PASSES else 1
+
+
+def _refuse_beyond(campaign: Campaign, workers: int) -> None:
+    """Raise InputError where a condition exceeds a limit; only --strict needs the look ahead."""
+    from rig.campaign.before.outlook import preflight
+
+    mistakes = [
+        Mistake(outlook.id, "drive.acceleration", flag, "within the exciter's and the front end's limits (--strict)")
+        for outlook in preflight(campaign, workers)
+        for flag in outlook.beyond
+    ]
+    if mistakes:
+        raise InputError(*mistakes)
+
+
+def check_folder(out: Path, resume: bool, force: bool) -> None:
+    """Refuse a session that is there already, or a folder that cannot be written, before anything is computed."""
+    if (out / "session.h5").exists() and not (resume or force):
+        raise InputError(
+            Mistake(
+                str(out / "session.h5"), "", "a session that exists", "--resume to go on with it, --force to replace it"
+            )
+        )
+    place = out
+    while not place.exists():
+        place = place.parent
+    if not place.is_dir() or not os.access(place, os.W_OK):
+        raise InputError(Mistake(str(out), "", f"{place} cannot be written", "a writable folder"))

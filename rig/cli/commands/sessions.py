@@ -1,0 +1,161 @@
+"""`rig report` and `rig info`: recorded sessions, read again."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from analysis.text import counted
+from daq.chain.block import flag_names
+from daq.session.record import Record
+from daq.whole_files import UNFINISHED, unfinished
+from rig.cli.terminal.output import PASSES, cores, print_json, print_result, say
+from rig.cli.terminal.tables import MOST_ROWS, number, scaled, table, terminal
+from rig.cli.terminal.watch import open_watched
+from rig.errors import InputError, Mistake
+
+MIXED = f"stopped while it was written, its files do not belong together ({UNFINISHED}); rig report writes it anew"
+
+
+def report_sessions(
+    sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
+) -> int:
+    """`rig report`: analysis and agreement from the records alone."""
+    from analysis import write_report
+
+    if out is not None and len(sessions) > 1:
+        raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
+    reports = []
+    for session in sessions:
+        path = session_file(session)
+        with open_watched(path) as record:
+            reports.append(_read(record, tolerate_gaps))
+        folder = out or path.parent
+        if unfinished(folder):
+            print(f"rig: an unfinished report in {folder} is replaced", file=sys.stderr)
+        write_report(reports[-1], folder, png=png)
+        if not as_json:
+            print_result(reports[-1], folder)
+    if as_json:
+        print_json(reports[0] if len(reports) == 1 else reports)
+    return 0 if all(report["verdict"] == PASSES for report in reports) else 1
+
+
+def _read(record: Record, tolerate_gaps: bool) -> dict[str, Any]:
+    from analysis import read_session
+    from analysis.processes import energies_by_processes
+
+    return read_session(record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps)
+
+
+def compare_sessions(
+    sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
+) -> int:
+    """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
+    from analysis.comparison.offset_terms import actual_of
+    from analysis.comparison.two_sessions import compare
+    from analysis.report.two_sessions import comparison_sentences, write_comparison
+
+    reports, tools = [], []
+    for session in sessions:
+        with open_watched(session_file(session)) as record:
+            reports.append(_read(record, tolerate_gaps))
+            tools.append(actual_of(record.truth))
+    same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
+    first, second = (session_file(session).parent for session in sessions)
+    names = first.resolve().name, second.resolve().name
+    if names[0] == names[1]:
+        names = first.as_posix(), second.as_posix()
+    found = compare(reports[0], reports[1], same, names)
+    folder = out or second / f"against_{first.resolve().name}"
+    write_comparison(found, folder)
+    if as_json:
+        print_json(found)
+    else:
+        for sentence in comparison_sentences(found):
+            say(sentence)
+        say(f"comparison: {folder / 'comparison.html'}")
+    return 0 if found["pairs"] else 1
+
+
+def validate_session(session: Path, as_json: bool) -> int:
+    """`rig info --validate`: every deviation from the session format; 1 where there is one."""
+    from analysis.session.documents import session_document_deviations
+    from daq.session.validate import session_deviations
+
+    path = session_file(session)
+    with open_watched(path) as record:
+        found = [*session_deviations(record), *session_document_deviations(record)]
+        schema = record.schema
+    if as_json:
+        print_json({"session": str(path), "schema": schema, "deviations": found})
+    else:
+        for sentence in found:
+            say(sentence)
+        say(f"{path}: {len(found) or 'no'} deviation{'' if len(found) == 1 else 's'} from {schema}")
+    return 1 if found else 0
+
+
+def session_info(session: Path, as_json: bool) -> None:
+    """`rig info`."""
+    path = session_file(session)
+    with open_watched(path) as record:
+        facts = {**_facts(record), "report_unfinished": unfinished(path.parent)}
+    if as_json:
+        print_json(facts)
+        return
+    console = terminal()
+    for name in ("protocol", "schema", "synthetic", "complete", "truth", "rate"):
+        console.print(f"{name}: {facts[name]}")
+    if facts["report_unfinished"]:
+        console.print(f"report: {MIXED}", soft_wrap=True)
+    console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
+        (c["name"], c["model"], c["unit"], number(c["sensitivity"], 5), number(c["range_V"]), number(c["pole_Hz"]),
+         number(c["calibration_U"]))
+        for c in facts["channels"]
+    ], ("name", "model", "unit")))  # fmt: skip
+    console.print(table("Conditions", ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"), [
+        (c["id"], c["material"], c["bed"], scaled(c["fill"], 100), scaled(c["diameter"], 1e3),
+         number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
+        for c in facts["conditions"][:MOST_ROWS]
+    ], ("id", "grains", "bed", "flags")))  # fmt: skip
+    more = len(facts["conditions"]) - MOST_ROWS
+    if more > 0:
+        console.print(f"... and {counted(more, 'condition')} more: rig info --json lists all of them")
+    for name, value in facts["provenance"].items():
+        console.print(f"{name}: {value}", highlight=False)
+
+
+def _facts(record: Record) -> dict[str, Any]:
+    from analysis.session.documents import checked
+    from analysis.session.setting import Setting
+
+    runs: dict[str, list[Any]] = {}
+    for run in record.runs:
+        runs.setdefault(run.condition, []).append(run)
+    return {
+        "protocol": (checked("protocol", record.document("protocol")) or {}).get("name", ""),
+        "schema": record.schema,
+        "synthetic": record.synthetic,
+        "complete": record.complete,
+        "truth": record.truth is not None,
+        "rate": record.rate,
+        "channels": [{**asdict(info), "pole_Hz": info.pole_Hz} for info in record.channels.values()],
+        "conditions": [
+            {
+                **condition,
+                "runs": len(runs.get(key, [])),
+                "complete_runs": sum(run.complete for run in runs.get(key, [])),
+                "flags": sorted({name for run in runs.get(key, []) for name in flag_names(run.flags)}),
+            }
+            for key, condition in record.conditions.items()
+            if Setting.of(condition)
+        ],
+        "provenance": checked("provenance", record.document("provenance")) or {},
+    }
+
+
+def session_file(session: Path) -> Path:
+    """The session file itself, or the one in a folder."""
+    return session / "session.h5" if session.is_dir() else session

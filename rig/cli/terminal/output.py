@@ -1,0 +1,34 @@
+"""What commands share: results on the terminal or as JSON, and the processors they may use."""
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from daq.strange_text import json_text, visible
+from rig.cli.terminal.tables import print_report, terminal
+
+PASSES = "passes"
+
+
+def print_json(value: Any) -> None:
+    """JSON on standard output, nothing else."""
+    print(json_text(value))
+
+
+def say(sentence: str, to_stderr: bool = False) -> None:
+    """Print one line; what it quotes of a stranger's cannot begin another, or steer the terminal."""
+    print(visible(sentence), file=sys.stderr if to_stderr else sys.stdout)
+
+
+def print_result(report: Mapping[str, Any], folder: Path) -> None:
+    """The verdict table of a report, and where its page lies."""
+    console = terminal()
+    print_report(console, report)
+    console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,198 @@
+"""YAML text to a tree of plain values that know their place. Bounded: nothing executes, nothing explodes.
+
+Only what every YAML reader agrees on is taken: mappings with word keys, lists, text, integers, decimals, true, false
+and null (YAML 1.2 core schema). Tags, several documents, repeated keys and sizes beyond the bounds are mistakes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from daq.regular_files import open_regular
+from rig.documents.nodes import Node, Scalar
+from rig.errors import InputError, Mistake, quote
+
+MAX_BYTES = 1 << 20
+MAX_NODES = 20000
+MAX_DEPTH = 20
+
+_INTEGER = re.compile(r"[-+]?\d{1,300}", re.ASCII)
+_DECIMAL = re.compile(r"[-+]?(?:\d{1,300}\.?\d{0,300}|\.\d{1,300})(?:[eE][-+]?\d{1,9})?", re.ASCII)
+_NOT_FINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
+_WORDS: dict[str, Scalar] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+_LOADERS: tuple[Any, ...] = (getattr(yaml, "CSafeLoader", yaml.SafeLoader), yaml.SafeLoader)
+"""Parsers in turn. The first is fast, where it is built in, and has limits of its own, others in each version; what it
+refuses is read by the second, which has none, so that bounds and words are the same everywhere."""
+
+
+def read_file(path: Path) -> str:
+    """The text of a file of at most MAX_BYTES of UTF-8. Raises InputError."""
+    try:
+        with open_regular(path) as stream:
+            data = stream.read(MAX_BYTES + 1) or b""
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        found = (getattr(error, "strerror", None) or "an impossible path").lower()
+        raise InputError(Mistake(str(path), "", found, "a readable file")) from error
+    if len(data) > MAX_BYTES:
+        raise InputError(Mistake(str(path), "", "a file of more than 1 MiB", "at most 1 MiB of YAML"))
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(Mistake(f"{path}:{line}", "", "bytes that are not UTF-8", "YAML text in UTF-8")) from error
+
+
+def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
+    """The tree of one YAML document; places read `source:line`.
+
+    What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to `mistakes`; what
+    does not raises InputError.
+    """
+    return _read(text, source, lambda line: f"{source}:{line + 1}", mistakes)
+
+
+def read_value(text: str, place: str) -> Node:
+    """The tree of a value given on the command line; every place in it reads `place`. Raises InputError."""
+    mistakes: list[Mistake] = []
+    node = _read(text, place, lambda _line: place, mistakes)
+    if mistakes:
+        raise InputError(*mistakes)
+    return node
+
+
+def _read(text: str, source: str, place: Callable[[int], str], mistakes: list[Mistake]) -> Node:
+    if len(text) > MAX_BYTES:
+        raise InputError(Mistake(source, "", "a text of more than 1 MiB", "at most 1 MiB of YAML"))
+    *first, last = _LOADERS
+    for loader in first:
+        found: list[Mistake] = []
+        with suppress(yaml.MarkedYAMLError):
+            root = _Builder(place, found).read(text, source, loader)
+            mistakes += found
+            return root
+    try:
+        return _Builder(place, mistakes).read(text, source, last)
+    except yaml.MarkedYAMLError as error:
+        raise InputError(_syntax_mistake(error, text, source, place)) from error
+
+
+def _syntax_mistake(error: yaml.MarkedYAMLError, text: str, source: str, place: Callable[[int], str]) -> Mistake:
+    mark = error.problem_mark or error.context_mark
+    problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix("found ")
+    if mark is None:
+        return Mistake(source, "", problem, "YAML")
+    line = "".join(text.splitlines()[mark.line : mark.line + 1])
+    tabs = "\t" in line[: len(line) - len(line.lstrip())]
+    hint = "indent with spaces, not with tabs" if tabs else ""
+    return Mistake(place(mark.line), "", f"no YAML: {problem}", "YAML", hint)
+
+
+class _Builder:
+    """Builds nodes from parser events, counting them, so that a bound is met before memory is used."""
+
+    def __init__(self, place: Callable[[int], str], mistakes: list[Mistake]) -> None:
+        self.place = place
+        self.mistakes = mistakes
+        self.nodes = 0
+        self.anchors: dict[str, tuple[Node, int]] = {}
+
+    def read(self, text: str, source: str, loader: Any) -> Node:
+        """The tree of a text by one parser. Raises InputError, or the parser's own error for a syntax it refuses."""
+        try:
+            text.encode("utf-8")
+            return self._document(yaml.parse(text, Loader=loader), source)
+        except (yaml.reader.ReaderError, UnicodeEncodeError) as error:
+            raise InputError(Mistake(source, "", "characters that are not text", "YAML text in UTF-8")) from error
+
+    def _document(self, events: Iterator[Any], source: str) -> Node:
+        root: Node | None = None
+        for event in events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                first = next(events)
+                if root is not None:
+                    where = self.place(first.start_mark.line)
+                    raise InputError(Mistake(where, "", "a second document", "one document"))
+                root = self._node(first, events, 1)
+        if root is None or (root.value is None and not root.text):
+            raise InputError(Mistake(source, "", "an empty text", "a YAML mapping"))
+        return root
+
+    def _node(self, event: Any, events: Iterator[Any], depth: int) -> Node:
+        where = self.place(event.start_mark.line)
+        self._count(1, where)
+        if depth > MAX_DEPTH:
+            raise InputError(Mistake(where, "", f"more than {MAX_DEPTH} levels", f"at most {MAX_DEPTH} levels"))
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event, where)
+        if event.tag not in (None, "!"):
+            self.mistakes.append(Mistake(where, "", f"the tag {quote(event.tag)}", "plain YAML without tags"))
+        before = self.nodes
+        if isinstance(event, yaml.MappingStartEvent):
+            node = self._mapping(events, where, depth)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node = Node(where, tuple(self._items(events, depth)))
+        else:
+            plain = event.implicit[0]
+            node = Node(where, scalar(event.value) if plain else event.value, text=event.value, quoted=not plain)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = (node, self.nodes - before)
+        return node
+
+    def _items(self, events: Iterator[Any], depth: int) -> Iterator[Node]:
+        for event in events:
+            if isinstance(event, yaml.SequenceEndEvent):
+                return
+            yield self._node(event, events, depth + 1)
+
+    def _mapping(self, events: Iterator[Any], where: str, depth: int) -> Node:
+        entries: dict[str, Node] = {}
+        places: dict[str, str] = {}
+        for event in events:
+            if isinstance(event, yaml.MappingEndEvent):
+                break
+            key_node = self._node(event, events, depth + 1)
+            key = event.value if isinstance(event, yaml.ScalarEvent) else None
+            value = self._node(next(events), events, depth + 1)
+            if key is None:
+                self.mistakes.append(Mistake(key_node.where, "", "a key that is not a word", "words as keys"))
+            elif key in entries:
+                allowed = f"each key once (it stands at {places[key]} too)"
+                self.mistakes.append(Mistake(key_node.where, "", f"the key {quote(key)} again", allowed))
+            else:
+                entries[key], places[key] = value, key_node.where
+        return Node(where, entries, key_places=places)
+
+    def _alias(self, event: Any, where: str) -> Node:
+        known = self.anchors.get(event.anchor)
+        if known is None:
+            raise InputError(Mistake(where, "", f"the alias *{event.anchor}", "aliases of earlier, complete values"))
+        self._count(known[1], where)
+        return known[0]
+
+    def _count(self, more: int, where: str) -> None:
+        self.nodes += more
+        if self.nodes > MAX_NODES:
+            raise InputError(Mistake(where, "", f"more than {MAX_NODES} values", f"at most {MAX_NODES} values"))
+
+
+def scalar(text: str) -> Scalar:
+    """The value of an unquoted scalar."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text):
+        return int(text)
+    if _DECIMAL.fullmatch(text):
+        return float(text)
+    if _NOT_FINITE.fullmatch(text):
+        return float(text.replace(".", ""))
+    return text

@@ -1,0 +1,1 @@
+"""Records of others: mapping, checking, to a session."""

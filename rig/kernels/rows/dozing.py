@@ -1,0 +1,141 @@
+"""Rows that slide the same way for a while, far from any wall: friction on them is constant, so they need no steps.
+
+Of many rows most do so at any time. They are found by a bound: while the box velocity stays within a slack of what it
+was, their slip cannot end and no wall can be reached. All others are awake and copied to pages of their own, which the
+steps work on. When the time is over, or the box leaves the bound (told before a step is made for good), those that
+dozed are moved by the whole time at once, as exactly as by steps.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.rows.pages import BAND, CHUNK, DOZES, FIELDS, GIVEN, HI, LO, PLAY, P, U, W, at, clear, total
+from rig.kernels.waveform import Array, Ints
+
+LEAST_ROWS = np.uint64(128)
+"""Fewer rows than these are always awake: it would not pay."""
+
+SPAN = 6
+"""Longest steps for which rows doze at most."""
+
+SINCE, PLACE, SPEED, SLACK, FARTHEST, FORCE = range(6)
+"""What is noted of a doze: how long it has lasted, place and velocity of the box when it began, how far that velocity
+may leave it and has left it, and the sum of what the box gives those that doze, per mass (an acceleration)."""
+
+MARGIN = 1.5
+"""The slack over how far the box has left its velocity in the doze before."""
+
+
+class Herd(NamedTuple):
+    """Rows, and room to work in.
+
+    everyone : pages of all rows, those that are awake as they were when the doze began
+    awake, whose : pages of the rows that are awake, and their places among all
+    nap : what is noted of the doze, at SINCE, PLACE, ...
+    """
+
+    everyone: Array
+    awake: Array
+    whose: Ints
+    nap: Array
+    lanes: Array
+
+
+@njit(cache=True, nogil=True)
+def herd(pages: Array, rows: np.uint64) -> Herd:
+    """All rows, none of them dozing yet."""
+    nap = np.zeros(6)
+    nap[SLACK] = 0.0 if rows >= LEAST_ROWS else math.inf
+    return Herd(pages, np.zeros(pages.shape[0]), np.empty(rows + np.uint64(1), np.int64), nap, np.empty(CHUNK))
+
+
+@njit(cache=True, nogil=True)
+def again(
+    place: float, speed: float, latest: float, ahead: float, pull: float, rows: np.uint64, count: np.uint64, of: Herd
+) -> tuple[np.uint64, float]:
+    """End a doze and begin another: how many rows are awake now, and heat of those that dozed, per mass, J/kg."""
+    heat, nap = wake(place, latest, pull, rows, count, of), of.nap
+    nap[SLACK], nap[FARTHEST] = MARGIN * nap[FARTHEST], 0.0
+    return doze(place, speed, ahead, pull, rows, of), heat
+
+
+@njit(cache=True, nogil=True)
+def doze(place: float, speed: float, ahead: float, pull: float, rows: np.uint64, of: Herd) -> np.uint64:
+    """Begin a doze of the time `ahead`, s, with the box at `place` and `speed`: how many rows are awake.
+
+    Slip z of a row changes by (band + |pull|) t and the slack at most, its place by (|z| + that) t.
+    """
+    pages, nap, lanes = of.everyone, of.nap, of.lanes
+    nap[SINCE], nap[PLACE], nap[SPEED] = 0.0, place, speed
+    slack = nap[SLACK]
+    clear(lanes)
+    for begin in range(np.uint64(0), rows, CHUNK):
+        page = begin * FIELDS
+        for j in range(np.uint64(0), min(CHUNK, rows - begin)):
+            i = page + j
+            z, band, u = speed - pages[i + W], pages[i + BAND], pages[i + U]
+            change = (band + abs(pull)) * ahead + slack
+            gap = min(u, pages[i + PLAY] - u)
+            free = (abs(z) > change) & (gap > (abs(z) + change) * ahead) & (pages[i + HI] - pages[i + LO] < math.inf)
+            given = band if z > 0.0 else -band
+            given = given if free else 0.0
+            pages[i + DOZES] = 1.0 if free else 0.0
+            pages[i + GIVEN] = given
+            lanes[j] += given
+    nap[FORCE] = total(lanes)
+    return _gather(pages, rows, of.awake, of.whose)
+
+
+@njit(cache=True, nogil=True)
+def _gather(pages: Array, rows: np.uint64, awake: Array, whose: Ints) -> np.uint64:
+    """Copy the rows that do not doze to pages of their own; how many they are."""
+    count = np.uint64(0)
+    for row in range(rows):
+        i = at(np.uint64(row))
+        whose[count] = np.int64(i)
+        count += np.uint64(pages[i + DOZES] == 0.0)
+    for k in range(count):
+        i, to = np.uint64(whose[k]), at(np.uint64(k))
+        awake[to + W], awake[to + U], awake[to + P] = pages[i + W], pages[i + U], pages[i + P]
+        awake[to + LO], awake[to + HI] = pages[i + LO], pages[i + HI]
+        awake[to + BAND], awake[to + PLAY] = pages[i + BAND], pages[i + PLAY]
+    return count
+
+
+@njit(cache=True, nogil=True)
+def wake(place: float, latest: float, pull: float, rows: np.uint64, count: np.uint64, of: Herd) -> float:
+    """End a doze with the box at `place`: everyone is up to date; heat of those that dozed, per mass, J/kg.
+
+    count : of the rows awake; latest : time of the latest step, s, for impulses as if the others had taken it
+    """
+    pages, awake, nap, lanes = of.everyone, of.awake, of.nap, of.lanes
+    time, moved = nap[SINCE], place - nap[PLACE]
+    clear(lanes)
+    for begin in range(np.uint64(0), rows, CHUNK):
+        page = begin * FIELDS
+        for j in range(np.uint64(0), min(CHUNK, rows - begin)):
+            i = page + j
+            given, w, dozes = pages[i + GIVEN], pages[i + W], pages[i + DOZES]
+            speed = (given + pull) * time
+            way = moved - (w + 0.5 * speed) * time
+            lanes[j] += given * way
+            pages[i + U] -= dozes * way
+            pages[i + W] = w + dozes * speed
+            pages[i + P] = given * latest
+    for k in range(count):
+        i, now = np.uint64(of.whose[k]), at(np.uint64(k))
+        pages[i + W], pages[i + U], pages[i + P] = awake[now + W], awake[now + U], awake[now + P]
+        pages[i + LO], pages[i + HI] = awake[now + LO], awake[now + HI]
+    return total(lanes)
+
+
+@njit(cache=True, nogil=True)
+def stays(speed: Array, nap: Array) -> bool:
+    """Does the box, by its velocities in a step, stay within the slack? How far it goes is noted."""
+    for k in range(speed.shape[0]):
+        nap[FARTHEST] = max(nap[FARTHEST], abs(speed[k] - nap[SPEED]))
+    inside: bool = nap[FARTHEST] <= nap[SLACK]
+    return inside

@@ -1,0 +1,317 @@
+"""Exciter, box and rows in steps: the linear system exactly, the rows by one scalar equation, energy by quadrature.
+
+States and symbols as in `rig.drive.electrodynamic`. Inside a step the forces on the box are constant, so its motion at
+every edge of the grid is exact. Energies are integrals over each interval by the trapezoid with its end correction, of
+fourth order; none of them is found as what is left over.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.rows.coupled_step import WINDOW, Pull, carry, collide, end_velocity, next_walls
+from rig.kernels.rows.dozing import FARTHEST, FORCE, LEAST_ROWS, SINCE, SLACK, SPAN, again, doze, herd, stays, wake
+from rig.kernels.rows.pages import CHUNK, paged, unpaged
+from rig.kernels.waveform import Array
+
+XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
+STATES = 7
+
+GAUGE, ELECTRIC, COPPER, FLEXURE, STINGER, ISOLATION, COIL, SQUARE, AIR, GUIDE, FRICTION, COLLISION = range(12)
+MOST_VOLTAGE, MOST_CURRENT, MOST_TRAVEL, MOST_PULL, MOST_PUSH = range(12, 17)
+ACCOUNTS = 17
+"""What a stretch adds up: works through the gauge plane, out of the amplifier, in copper, flexure, stinger, isolation,
+through the coil; the integral of the box's v^2; works against air, guide, friction and contacts of the rows.
+Then largest values: voltage, current, travel of the coil, stinger tension and compression."""
+
+MOMENTUM, SPEED, FLOW, PRESSURE, GAUGE_MASS, LIMITED = range(6)
+SIGNALS = 6
+"""Per interval: impulse of the stinger's force on the box, change of the box's velocity, integrals of current and
+voltage, change of the armature's velocity, and 1 where the amplifier is at a limit. An impact at an edge counts half
+in the intervals on either side; the last line is what falls behind the end."""
+
+
+TOUCH = 0.05
+"""Share of the way that a box of changing speed moves beside its mean: a row that it holds at a wall wobbles less."""
+
+
+class Machine(NamedTuple):
+    """The linear system's numbers (`rig.drive.electrodynamic.Plant`), the amplifier's limits, the grid's interval."""
+
+    force_constant: float
+    resistance: float
+    inductance: float
+    flexure: float
+    flexure_damping: float
+    stinger: float
+    stinger_damping: float
+    isolation: float
+    isolation_damping: float
+    armature: float
+    body: float
+    box: float
+    damping: float
+    read_mass: float
+    voltage_peak: float
+    current_peak: float
+    is_current: bool
+    interval: float
+
+
+class Feed(NamedTuple):
+    """How the amplifier drives the coil: `by_current`, else by voltage; `limit` is the voltage or the current that it
+    is stuck at, nan where it follows its command."""
+
+    by_current: bool
+    limit: float
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _rates(y: Array, on: Machine, force: float) -> tuple[float, float, float]:
+    """Accelerations of armature, body and box under a force on the box."""
+    r, vr = y[XA] - y[XB], y[VA] - y[VB]
+    flexure = on.flexure * r + on.flexure_damping * vr
+    pull = on.stinger * (y[XA] - y[X]) + on.stinger_damping * (y[VA] - y[V])
+    coil = on.force_constant * y[I]
+    mount = on.isolation * y[XB] + on.isolation_damping * y[VB]
+    return (
+        (coil - flexure - pull) / on.armature,
+        (flexure - coil - mount) / on.body,
+        (pull + force - on.damping * y[V]) / on.box,
+    )
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _voltage(y: Array, i_rate: float, on: Machine) -> float:
+    """Voltage that keeps a current going."""
+    voltage: float = on.resistance * y[I] + on.inductance * i_rate + on.force_constant * (y[VA] - y[VB])
+    return voltage
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _add_powers(y: Array, weight: float, on: Machine, accounts: Array) -> None:
+    """Add the powers of the mechanical accounts at one instant, times `weight`."""
+    v, vs, vr = y[V], y[VA] - y[V], y[VA] - y[VB]
+    accounts[GAUGE] += weight * (on.stinger * (y[XA] - y[X]) + on.stinger_damping * vs) * v
+    accounts[FLEXURE] += weight * on.flexure_damping * vr * vr
+    accounts[STINGER] += weight * on.stinger_damping * vs * vs
+    accounts[ISOLATION] += weight * on.isolation_damping * y[VB] ** 2
+    accounts[COIL] += weight * on.force_constant * y[I] * vr
+    accounts[SQUARE] += weight * v * v
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _add_rates(y: Array, force: float, i_rate: float, weight: float, on: Machine, accounts: Array) -> None:
+    """Add the rates of change of these powers, times `weight`; `i_rate` : of the current, in the coil's power."""
+    aa, ab, a = _rates(y, on, force)
+    v, vs, vr = y[V], y[VA] - y[V], y[VA] - y[VB]
+    pull = on.stinger * (y[XA] - y[X]) + on.stinger_damping * vs
+    pull_rate = on.stinger * vs + on.stinger_damping * (aa - a)
+    accounts[GAUGE] += weight * (pull_rate * v + pull * a)
+    accounts[FLEXURE] += weight * 2.0 * on.flexure_damping * vr * (aa - ab)
+    accounts[STINGER] += weight * 2.0 * on.stinger_damping * vs * (aa - a)
+    accounts[ISOLATION] += weight * 2.0 * on.isolation_damping * y[VB] * ab
+    accounts[COIL] += weight * on.force_constant * (i_rate * vr + y[I] * (aa - ab))
+    accounts[SQUARE] += weight * 2.0 * v * a
+
+
+@njit(cache=True, nogil=True)
+def _free(
+    y: Array, steps: int, k0: int, feed: Feed, command: Array, phi: Array, now: Array, following: Array, on: Machine,
+    path: Array,
+) -> None:  # fmt: skip
+    """States at the edges of a step without any force on the box, in `path`."""
+    kind = 1 if feed.by_current else 0
+    stuck = not math.isnan(feed.limit)
+    for s in range(STATES):
+        path[0, s] = y[s]
+    for k in range(steps):
+        if feed.by_current:
+            target = path[k, I] if stuck else command[k0 + k + 1]
+            u0, u1 = (target - path[k, I]) / on.interval, 0.0
+        else:
+            u0 = feed.limit if stuck else command[k0 + k]
+            u1 = feed.limit if stuck else command[k0 + k + 1]
+        for s in range(STATES):
+            total = now[kind, s] * u0 + following[kind, s] * u1
+            for c in range(STATES):
+                total += phi[kind, s, c] * path[k, c]
+            path[k + 1, s] = total
+
+
+@njit(cache=True, nogil=True)
+def _within(path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Machine) -> tuple[int, Feed]:
+    """Edge of a step at which the amplifier meets a limit or leaves it (else `steps`), and how it drives from there."""
+    stuck = not math.isnan(feed.limit)
+    for k in range(1, steps + 1):
+        y, i = path[k], path[k, I]
+        if on.is_current:
+            if not stuck:
+                e = _voltage(y, (i - path[k - 1, I]) / on.interval, on)
+                if abs(e) > on.voltage_peak:
+                    return k, Feed(False, math.copysign(on.voltage_peak, e))
+            elif (i - command[k0 + k]) * feed.limit >= 0.0:
+                return k, Feed(True, math.nan)
+        elif not stuck:
+            if abs(i) > on.current_peak and i * (i - path[k - 1, I]) > 0.0:
+                return k, Feed(True, i)
+        elif (command[k0 + k] - _voltage(y, 0.0, on)) * i < 0.0:
+            return k, Feed(False, math.nan)
+    return steps, feed
+
+
+@njit(cache=True, nogil=True)
+def _account(
+    path: Array, stop: int, k0: int, force: float, feed: Feed, command: Array, on: Machine, accounts: Array
+) -> None:
+    """Accounts of a step: the end corrections of neighbouring intervals cancel but for what jumps at an edge, the rate
+    of the current behind a current amplifier, of the voltage behind another."""
+    h, end = on.interval, path[stop]
+    stuck = not math.isnan(feed.limit)
+    for k in range(stop + 1):
+        _add_powers(path[k], 0.5 * h if k == 0 or k == stop else h, on, accounts)
+    start_rate, end_rate = 0.0, 0.0
+    if not feed.by_current:
+        e = feed.limit if stuck else command[k0]
+        e_end = feed.limit if stuck else command[k0 + stop]
+        start_rate = (e - _voltage(path[0], 0.0, on)) / on.inductance
+        end_rate = (e_end - _voltage(end, 0.0, on)) / on.inductance
+        accounts[ELECTRIC] += h * h / 12.0 * (e * start_rate - e_end * end_rate)
+        accounts[COPPER] += h * h / 6.0 * on.resistance * (path[0, I] * start_rate - end[I] * end_rate)
+    _add_rates(path[0], force, start_rate, h * h / 12.0, on, accounts)
+    _add_rates(end, force, end_rate, -h * h / 12.0, on, accounts)
+    for k in range(stop):
+        y, z = path[k], path[k + 1]
+        i, i_end = y[I], z[I]
+        if feed.by_current:
+            rate = (i_end - i) / h
+            vr, vr_end = y[VA] - y[VB], z[VA] - z[VB]
+            heat = on.resistance * h / 3.0 * (i * i + i * i_end + i_end * i_end)
+            accounts[COPPER] += heat
+            accounts[COIL] += h * h / 12.0 * on.force_constant * rate * (vr - vr_end)
+            accounts[ELECTRIC] += heat + 0.5 * on.inductance * (i_end * i_end - i * i)
+            accounts[ELECTRIC] += 0.5 * h * on.force_constant * (i * vr + i_end * vr_end)
+            accounts[ELECTRIC] += h * h / 12.0 * on.force_constant * rate * (vr - vr_end)
+            e_end = _voltage(z, rate, on)
+        else:
+            e = feed.limit if stuck else command[k0 + k]
+            e_end = feed.limit if stuck else command[k0 + k + 1]
+            accounts[COPPER] += 0.5 * h * on.resistance * (i * i + i_end * i_end)
+            accounts[ELECTRIC] += 0.5 * h * (e * i + e_end * i_end) + h / 12.0 * (e_end - e) * (i - i_end)
+        pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
+        accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
+        accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(i_end))
+        accounts[MOST_TRAVEL] = max(accounts[MOST_TRAVEL], abs(z[XA] - z[XB]))
+        accounts[MOST_PULL] = max(accounts[MOST_PULL], -pull)
+        accounts[MOST_PUSH] = max(accounts[MOST_PUSH], pull)
+    if feed.by_current:
+        aa, ab, _ = _rates(path[0], on, force)
+        bb, cb, _ = _rates(end, on, force)
+        swing = path[0, I] * (aa - ab) - end[I] * (bb - cb)
+        accounts[ELECTRIC] += h * h / 12.0 * on.force_constant * swing
+
+
+@njit(cache=True, nogil=True)
+def _tell(
+    path: Array, stop: int, k0: int, impulse: float, feed: Feed, command: Array, on: Machine, signals: Array
+) -> None:
+    """Signals of the intervals of a step; `impulse` : of the box on all but the stinger, per interval."""
+    h = on.interval
+    stuck = not math.isnan(feed.limit)
+    for k in range(stop):
+        y, z = path[k], path[k + 1]
+        swing = on.force_constant * (z[XA] - z[XB] - y[XA] + y[XB])
+        if feed.by_current:
+            flow = 0.5 * h * (y[I] + z[I])
+            pressure = on.resistance * flow + on.inductance * (z[I] - y[I]) + swing
+        else:
+            pressure = h * feed.limit if stuck else 0.5 * h * (command[k0 + k] + command[k0 + k + 1])
+            flow = (pressure - on.inductance * (z[I] - y[I]) - swing) / on.resistance
+        signals[k0 + k, MOMENTUM] = on.box * (z[V] - y[V]) + on.damping * (z[X] - y[X]) + impulse
+        signals[k0 + k, SPEED] += z[V] - y[V]
+        signals[k0 + k, FLOW] = flow
+        signals[k0 + k, PRESSURE] = pressure
+        signals[k0 + k, GAUGE_MASS] = z[VA] - y[VA]
+        signals[k0 + k, LIMITED] = 1.0 if stuck else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _foreseen(path: Array, steps: int, force: float, thrust: Array, moved: Array) -> float:
+    """How far the box will have moved at the edges under a force, m, to `moved`; share of its change of speed, m/s."""
+    least, most = path[0, V], path[0, V]
+    for k in range(steps + 1):
+        moved[k] = path[k, X] - path[0, X] + force * thrust[k, X]
+        speed = path[k, V] + force * thrust[k, V]
+        least, most = min(least, speed), max(most, speed)
+    share: float = TOUCH * (most - least)
+    return share
+
+
+@njit(cache=True, nogil=True)
+def stretch(
+    on: Machine, around: Pull, feed: Feed, phi: Array, now: Array, following: Array, thrust: Array, command: Array,
+    y: Array, w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array,
+) -> tuple[Feed, Array, Array]:  # fmt: skip
+    """Advance exciter, box (`y`) and rows (`w`, `u`, `lo`, `hi`), in place, along the edges of a command.
+
+    Returns how the amplifier drives at the end, the signals, shape (intervals + 1, SIGNALS), and the accounts.
+    """
+    longest, intervals, many, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
+    path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
+    signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
+    flock, lanes, who = herd(paged(w, u, lo, hi, band, play), many), np.empty((3, CHUNK)), np.empty(many, np.int64)
+    pages, nap, tally = flock.awake, flock.nap, np.ones((2, many // CHUNK + np.uint64(1)), np.int64)
+    ahead = SPAN * longest * h if many >= LEAST_ROWS else math.inf
+    rows = doze(y[X], y[V], ahead, around.pull, many, flock)
+    k0, force, per_time = 0, 0.0, 1.0
+    while k0 < intervals:
+        if nap[SINCE] + longest * h > ahead * (1.0 + 1e-9) or nap[FARTHEST] > nap[SLACK]:
+            rows, heat = again(y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, flock)
+            accounts[FRICTION] += around.row_mass * heat
+            tally[:] = 1
+        steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
+        _free(y, steps, k0, feed, command, phi, now, following, on, path)
+        depth = _foreseen(path, steps, force, thrust[kind], moved) * steps * h
+        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, pages, rows, who, lanes[0])
+        if count:
+            steps = min(int(first) + WINDOW, steps)
+        time, steady = steps * h, around.row_mass * nap[FORCE]
+        start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
+        guess = free + gain * time * force
+        end, given, air, guide = end_velocity(
+            guess, start, free, gain, time, around, pages, rows, steady, tally, lanes[0]
+        )
+        force, per_time = -given / time, 1.0 / time
+        for k in range(1, steps + 1):
+            for s in range(STATES):
+                path[k, s] += force * thrust[kind, k, s]
+        stop, after = _within(path, steps, k0, feed, command, on)
+        if not stays(path[: stop + 1, V], nap) and rows < many:
+            continue
+        nap[SINCE] += stop * h
+        way = path[stop, X] - y[X]
+        accounts[AIR] += air / time * way
+        accounts[GUIDE] += guide / time * way
+        rub, push = carry(
+            (end - start) / time - around.pull, start, time, stop * h, way, around, pages, rows,
+            tally, lanes, stop == steps and 2 * steps > longest,
+        )  # fmt: skip
+        accounts[FRICTION] += rub - push
+        accounts[COLLISION] += push
+        _account(path, stop, k0, force, feed, command, on, accounts)
+        _tell(path, stop, k0, -force * h, feed, command, on, signals)
+        for s in range(STATES):
+            y[s] = path[stop, s]
+        if count:
+            slow = abs(path[stop, V] - path[stop - 1, V]) + abs(around.pull) * h
+            behind, lost = collide(y[V], h, slow, around, count, who, pages, tally)
+            signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
+            signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])
+            accounts[COLLISION] += lost
+            y[V] = behind
+        k0, feed = k0 + stop, after
+    accounts[FRICTION] += around.row_mass * wake(y[X], 1.0 / per_time, around.pull, many, rows, flock)
+    unpaged(flock.everyone, w, u, lo, hi)
+    return feed, signals, accounts

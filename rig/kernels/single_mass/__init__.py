@@ -1,0 +1,1 @@
+"""The compiled bed of one mass: its flights, a cycle, many cycles."""

@@ -1,0 +1,210 @@
+"""A slug over many cycles: followed, in its steady state, on a sampling grid (one cycle:
+rig.kernels.single_mass.one_cycle)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rig.kernels.borrowed import borrowed
+from rig.kernels.single_mass.one_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
+from rig.kernels.waveform import TWO_PI, Array, Ints
+
+__all__ = ["MAX_EVENTS", "Cycles", "State", "Steady", "World", "follow", "no_events", "run", "steady", "world"]
+
+LOOK_BACK = 512
+"""Longest period looked for, in cycles of the drive."""
+
+SAME = 1e-12
+"""Two states closer than this, as a share of the orbit's speed and height, are the same state."""
+
+MOST_IN_ALL = 10_000_000
+"""Events on the way to a mean after which it is given up: some seconds."""
+
+SETTLE, AVERAGE, BATCHES = 1024, 4096, 16
+"""Cycles left out and averaged where an orbit has no period, and parts of the average whose scatter tells its error."""
+
+
+class Cycles(NamedTuple):
+    """What a slug did in some cycles: a line for each.
+
+    state : mode, q, u at its end, shape (cycles, 3)
+    energy : work on the slug, friction, collision, and kinetic with potential energy at its end, shape (cycles, 4)
+    counts : events (-1: more than `MAX_EVENTS`, nothing behind it), steps of root searches, hits of the upper wall,
+        shape (cycles, 3)
+    """
+
+    state: Array
+    energy: Array
+    counts: Ints
+
+
+def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> Cycles:
+    """Follow a slug from a start at phase 0 through whole cycles."""
+    return Cycles(*_run(*start, world, table, P, Q, no_events(), cycles))
+
+
+@njit(cache=True, nogil=True)
+def _run(
+    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, cycles: int
+) -> tuple[Array, Array, Ints]:
+    state, energy, count = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    v = table[0, 2]
+    for k in range(cycles):
+        after = cycle(mode, q, u, world, table, P, Q, S, C, events)
+        mode, q, u = after.mode, after.q, after.u
+        state[k, 0], state[k, 1], state[k, 2] = mode, q, u
+        energy[k, 0], energy[k, 1], energy[k, 2] = after.work, after.friction, after.collision
+        energy[k, 3] = 0.5 * (v + u) ** 2 + world.weight * q
+        count[k, 0], count[k, 1], count[k, 2] = after.events, after.roots, after.high
+        if after.events < 0:
+            break
+    return state, energy, count
+
+
+class Steady(NamedTuple):
+    """A slug's mean cycle in its steady state.
+
+    period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS` or `MOST_IN_ALL`
+    lid : whether it hits the upper wall; moves : whether it moves in the box at all
+    error : standard error of the mean of the losses, 0 for an orbit with a period
+    window : mean losses over the cycles that were asked for
+    """
+
+    friction: float
+    collision: float
+    period: int
+    lid: bool
+    moves: bool
+    error: float
+    window: float
+
+
+@njit(cache=True, nogil=True)
+def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: bool) -> int:
+    """Smallest period in cycles after which the state at cycle `now` has returned, 0 for none yet.
+
+    Lines of `history` are mode, q, u at the start of a cycle and the losses in it. Speeds are held against those of the
+    orbit: a state may lie close to rest in an orbit that does not.
+    """
+    length = history.shape[0]
+    lost = 0.0
+    for back in range(1, min(now, length) + 1):
+        k = (now - back) % length
+        lost += history[k, 3] + history[k, 4]
+        if history[k, 0] != mode:
+            continue
+        speed = max(abs(u), math.sqrt(2.0 * lost / back))
+        if abs(history[k, 2] - u) > SAME * speed:
+            continue
+        if not walls or abs(history[k, 1] - q) <= SAME * max(abs(q), speed):
+            return back
+    return 0
+
+
+def steady(
+    start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE,
+    window: tuple[int, int] = (0, 0),
+) -> Steady:  # fmt: skip
+    """Mean losses per cycle of a slug that starts at phase 0.
+
+    The mean over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never does, the mean over
+    `average` cycles behind the first `settle`. window : the first cycle, and the one after the last, of another mean.
+    """
+    return Steady(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
+
+
+@njit(cache=True, nogil=True)
+def _steady(
+    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, settle: int,
+    average: int, first: int, last: int,
+) -> tuple[float, float, int, bool, bool, float, float]:  # fmt: skip
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    history = np.zeros((LOOK_BACK, 7))
+    friction, collision, lid, moves, seen = 0.0, 0.0, False, False, 0.0
+    wanted = max(last - first, 1)
+    batches = np.zeros(BATCHES)
+    walls = world.upper < np.inf or world.lower > -np.inf
+    spent = 0
+    for n in range(settle + average):
+        back = _recurrence(history, n, mode, q, u, walls)
+        if back > 0:
+            lost = np.zeros(4)
+            for b in range(1, back + 1):
+                lost += history[(n - b) % LOOK_BACK, 3:] / back
+            for m in range(max(n, first), last):
+                line = history[(n - back + (m - n) % back) % LOOK_BACK]
+                seen += line[3] + line[4]
+            return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0, seen / wanted
+        after = cycle(mode, q, u, world, table, P, Q, S, C, events)
+        spent += after.events
+        if after.events < 0 or spent > MOST_IN_ALL:
+            return friction, collision, -1, lid, True, 0.0, 0.0
+        line = history[n % LOOK_BACK]
+        line[0], line[1], line[2] = mode, q, u
+        line[3], line[4], line[5], line[6] = after.friction, after.collision, after.high, after.events
+        mode, q, u = after.mode, after.q, after.u
+        if first <= n < last:
+            seen += after.friction + after.collision
+        if n >= settle:
+            friction += after.friction / average
+            collision += after.collision / average
+            lid = lid or after.high > 0
+            moves = moves or mode != 0 or after.events > 0
+            batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
+    seen += max(last - max(settle + average, first), 0) * (friction + collision)
+    error = float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
+    return friction, collision, 0, lid, moves, error, seen / wanted
+
+
+def follow(
+    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, start: State, world: World,
+    table: Array, P: Array, Q: Array, events: Events,
+) -> tuple[Array, Cycles]:  # fmt: skip
+    """Advance a slug through cycles of a sampling grid: its momentum, times `scale`, at the edges, and the cycles.
+
+    Edge j lies at phase 2 pi j / per_cycle from the start of the motion; velocity : of the box there, shape (edges,)
+    """
+    momentum, state, energy, counts = _follow(
+        first_cycle, cycles, per_cycle, velocity, scale, *start, world, table, P, Q, events, *events
+    )
+    return momentum, Cycles(state, energy, counts)
+
+
+@njit(cache=True, nogil=True)
+def _follow(
+    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, mode: int, q: float, u: float,
+    world: World, table: Array, P: Array, Q: Array, events: Events, phase: Array, modes: Ints, w: Array,
+) -> tuple[Array, Array, Array, Ints]:  # fmt: skip
+    state, energy, counts = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+    harmonics = np.empty((2, P.shape[0]))
+    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    momentum = np.empty(velocity.shape[0])
+    v = table[0, 2]
+    origin = math.ceil(first_cycle * per_cycle)
+    for k in range(cycles):
+        before, since, speed = mode, 0.0, v + u
+        after = cycle(mode, q, u, world, table, P, Q, S, C, events)
+        mode, q, u = after.mode, after.q, after.u
+        state[k, 0], state[k, 1], state[k, 2] = mode, q, u
+        energy[k, 0], energy[k, 1], energy[k, 2] = after.work, after.friction, after.collision
+        energy[k, 3] = 0.5 * (v + u) ** 2 + world.weight * q
+        counts[k, 0], counts[k, 1], counts[k, 2] = after.events, after.roots, after.high
+        if after.events < 0:
+            break
+        offset = (first_cycle + k) * per_cycle
+        e, last = math.ceil(offset), math.ceil((first_cycle + k + 1) * per_cycle)
+        for n in range(after.events + 1):
+            end = min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last) if n < after.events else last
+            slope = -(world.weight + before * world.band)
+            for j in range(e, end):
+                now = TWO_PI * (j - offset) / per_cycle
+                momentum[j - origin] = scale * (velocity[j - origin] if before == 0 else speed + slope * (now - since))
+            e = max(e, end)
+            if n < after.events:
+                before, since, speed = modes[n], phase[n], w[n]
+    return momentum, state, energy, counts

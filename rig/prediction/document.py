@@ -1,0 +1,128 @@
+"""What a session states of its conditions beforehand: the predictions as plain numbers, and the facts."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from typing import Any
+
+from rig.catalog.entries import Rig
+from rig.drive.losses import over_first_principles
+from rig.prediction.model import Prediction, predict_about
+from rig.protocol.spec import Condition
+from rig.stand.gas import LEAST_SHARE, share_of_weight
+from rig.theory.total import AVERAGED_CYCLES
+
+NOWHERE: Mapping[str, int] = {}
+NO_REFILLS: Mapping[str, Sequence[float]] = {}
+
+
+def predictions(
+    conditions: Iterable[Condition], rig: Rig, workers: int, averaged: Mapping[str, int] = NOWHERE
+) -> dict[str, tuple[Prediction, dict[str, list[float]]]]:
+    """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one.
+
+    averaged : cycles over which rows without a period are averaged, for conditions that have their own number
+    """
+    wanted = tuple(conditions)
+    with ThreadPoolExecutor(workers) as pool:
+        found = pool.map(lambda c: predict_about(c, rig, averaged.get(c.id, AVERAGED_CYCLES)), wanted)
+        return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
+
+
+def has_level(condition: Condition) -> bool:
+    """Whether a level is set, on which a sine's W_T can be predicted: not in open loop."""
+    drive = condition.drive
+    return drive.mode == "servo" or drive.control == "level"
+
+
+def prediction_document(
+    found: Mapping[str, tuple[Prediction, dict[str, list[float]]]], refills: Mapping[str, Sequence[float]] = NO_REFILLS
+) -> dict[str, Any]:
+    """The predictions as plain numbers for the session: another model's numbers may stand in their place.
+
+    refills : of conditions whose bed is poured anew, energies of poured beds over W_T
+    """
+    return {
+        "conditions": {
+            name: {
+                **table,
+                "u_rel": point.u_rel,
+                "u_levels": point.u_levels,
+                "u_settling": point.u_settling,
+                "W_T_paper": point.W_T_paper,
+                "bound": _finite(point.bound),
+                "period": point.period,
+                "periodic_share": point.periodic_share,
+                **({"refills": list(refills[name])} if refills.get(name) else {}),
+            }
+            for name, (point, table) in found.items()
+        }
+    }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity: an elastic slug has no bound."""
+    return value if math.isfinite(value) else None
+
+
+def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
+    """What identifies a condition in reports and `rig model`: scene keys, SI."""
+    scene, drive = condition.scene, condition.drive
+    return {
+        "id": condition.id,
+        "material": scene.grains.material,
+        "density": scene.grains.density,
+        "diameter": scene.grains.diameter,
+        "fill": scene.grains.fill,
+        "bed": scene.bed,
+        "axis": scene.axis,
+        "drive": drive.mode,
+        "frequency": drive.frequency,
+        **({} if drive.sweep_to is None else {"sweep_to": drive.sweep_to}),
+        "bed_mass": point.bed_mass,
+        "box_mass": point.box_mass,
+    }
+
+
+def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: float) -> dict[str, Any]:
+    """What the laboratory knows of a condition beforehand; goes into the session."""
+    return {
+        **scene_facts(condition, point),
+        "carried": point.carried,
+        "acceleration_set": condition.drive.acceleration,
+        "settle_cycles": condition.acquire.settle,
+        "record_cycles": condition.acquire.record,
+        "samples_per_cycle": rate / condition.drive.frequency,
+        "gauge_mass": rig.gauge_mass,
+        "moving_mass": rig.exciter.moving_mass,
+        "losses": list(condition.scene.losses),
+        "support": condition.scene.support,
+        "over_first_principles": over_first_principles(
+            rig.loss_noise, rig.loss_air, condition.scene.cavity, condition.drive.frequency
+        ),
+        "gas": _gas_facts(condition, rig),
+        "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
+        **(_places(condition)),
+    }
+
+
+def _places(condition: Condition) -> dict[str, str]:
+    """The ends of the stinger that gauge and accelerometer are fixed to; servo drive has no stinger."""
+    drive = condition.drive
+    return {} if drive.mode == "servo" else {"gauge": drive.gauge, "accelerometer": drive.accelerometer}
+
+
+def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
+    """Whether gas drag is switched on, and its largest value over the bed's weight; None where it is not listed."""
+    if "gas" not in condition.scene.losses:
+        return None
+    share = share_of_weight(condition.scene, rig, condition.drive.acceleration, condition.drive.frequency)
+    return {"on": share > LEAST_SHARE, "share_of_weight": share}
+
+
+def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:
+    """One line of `rig model`."""
+    return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)} | {
+        "bound": _finite(point.bound)
+    }

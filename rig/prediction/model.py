@@ -1,0 +1,261 @@
+"""What the model says of a scene: both tiers of W_T and the bound, from scene and rig to plain numbers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rig.beds.janssen_stack import Filling, Stack, bed_mass, layer_count, nominal, stack
+from rig.beds.layers import cannot_follow
+from rig.beds.single_mass import slug, too_many_events
+from rig.catalog.entries import Rig
+from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE
+from rig.protocol.spec import Condition, Scene
+from rig.stand.box import box_mass
+from rig.theory.chain import grains_in_row
+from rig.theory.friction import friction_energy_per_slip, janssen_length
+from rig.theory.single_mass import SlugTotal, slug_total
+from rig.theory.total import AVERAGED_CYCLES, TooManyEvents, Total, closed_tier, paper_collision, plastic_bound
+
+LEVELS = (0.97, 0.98, 0.99, 1.0, 1.01, 1.02, 1.03)
+"""Levels, relative to the set acceleration, at which W_T is computed to be read at the measured acceleration."""
+
+READ = 1.0 / math.sqrt(2.0)
+"""Standard uncertainty of a W_T read between levels, over the largest error of reading one of them off its neighbours.
+
+Where rows lock to the drive W_T is rough in the level, down to steps of 0.1 %: no table is fine enough. With a
+roughness of standard deviation s, W_T read half way differs by sqrt(3/2) s from the value there, on average over the
+way by sqrt(5/3) s = 1.29 s; the largest of five errors at the tabulated levels is 1.84 s in the mean.
+"""
+
+SLUG_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
+"""The same for a slug: closer, since its orbit may be another one a little beside."""
+
+SLUG_AVERAGE = (256, 1024)
+"""Cycles that a slug's orbit without a period settles and is averaged at the levels beside the set one."""
+
+SLUG_REACH = 5
+"""Levels to either side of the set one among which the measured one is expected: 1 %."""
+
+SLUG_ERROR = 1e-9
+"""Relative error of a slug's W_T on an orbit with a period (tests/physics/test_slug_orbits.py)."""
+
+NUMERICAL_ERROR = 1e-3
+"""Relative standard uncertainty of W_T's numerics: averaging of rows without a period (tests/physics)."""
+
+NOTHING = Total(0.0, 0.0, 1, 1.0)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Energy per cycle that the model gives for one condition, J, and what it is made of (masses in kg).
+
+    Relative standard uncertainties of W_T: u_rel of its numerics; where it was computed at levels about the set one,
+    u_levels of reading it between them, and u_settling, the difference between the steady state and the mean of the
+    recorded cycles, for a bed that starts at rest.
+    """
+
+    bed_mass: float
+    box_mass: float
+    layers: int
+    carried: bool
+    W_f: float
+    W_c: float
+    W_T: float
+    W_T_paper: float
+    bound: float
+    period: int
+    periodic_share: float
+    u_rel: float = NUMERICAL_ERROR
+    u_levels: float = 0.0
+    u_settling: float = 0.0
+
+
+def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> Total:
+    """W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
+    if scene.bed == "slug":
+        return slug_tier(scene, rig, filling, acceleration, frequency).total
+    return closed(scene, stack(scene, rig, filling), acceleration, frequency)
+
+
+def slug_tier(
+    scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float, settle: int = SETTLE,
+    average: int = AVERAGE, window: tuple[int, int] | None = None,
+) -> SlugTotal:  # fmt: skip
+    """The slug of one filling at one acceleration. Raises InputError where it bounces too often to be followed."""
+    bed = slug(scene, rig, filling)
+    try:
+        return slug_total(bed, acceleration, frequency, settle, average, window)
+    except TooManyEvents as error:
+        raise too_many_events(bed) from error
+
+
+def closed(
+    scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
+    window: tuple[int, int] | None = None,
+) -> Total:  # fmt: skip
+    """The closed tier of a scene's stack at one acceleration; nothing where the bed does not slide by design.
+
+    window : the first cycle, and the one after the last, of which a mean is wanted too
+
+    Raises InputError where a row cannot be followed.
+    """
+    if scene.bed != "layers":
+        return NOTHING
+    try:
+        return closed_tier(
+            bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles, window
+        )
+    except TooManyEvents as error:
+        raise cannot_follow(bed, str(error)) from error
+
+
+def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
+    """W_T of the paper tier, J per cycle: eq 5 with one slip per layer, plus the first chain wave at both walls."""
+    layers = layer_count(scene)
+    density = scene.grains.density
+    if scene.bed != "layers" or layers == 0 or density is None:
+        return 0.0
+    cavity, grains = scene.cavity, scene.grains
+    bulk = rig.packing_shaken * density
+    friction = friction_energy_per_slip(
+        layers,
+        grains.diameter,
+        cavity.length,
+        cavity.width,
+        bulk,
+        rig.gravity,
+        rig.grain_friction,
+        janssen_length(cavity.length, cavity.width, rig.wall_friction, rig.janssen_ratio),
+    )
+    layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
+    count = grains_in_row(cavity.length, grains.diameter)
+    return friction + paper_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
+
+
+def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
+    """Both tiers of W_T and the bound for one condition on an exact sine at the set acceleration."""
+    scene, drive = condition.scene, condition.drive
+    if scene.bed == "slug":
+        found = slug_tier(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
+        return _slug_prediction(condition, rig, found)
+    bed = stack(scene, rig, nominal(scene, rig))
+    return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
+
+
+def predict_about(
+    condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES
+) -> tuple[Prediction, dict[str, list[float]]]:
+    """As `predict`, with W_T, W_f and W_c (J) at levels about the set acceleration (m/s^2) beside it.
+
+    The table is how W_T is read at the measured acceleration: plain numbers that another model's may replace.
+    """
+    scene, drive = condition.scene, condition.drive
+    if scene.bed == "slug":
+        return _slug_about(condition, rig)
+    bed = stack(scene, rig, nominal(scene, rig))
+    levels = [drive.acceleration * level for level in LEVELS]
+    totals = [closed(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
+    point = _prediction(condition, rig, bed, totals[LEVELS.index(1.0)])
+    return _with_uncertainty(point, levels, totals), _table(levels, totals)
+
+
+def _window(condition: Condition) -> tuple[int, int]:
+    """The cycles of a condition's record that count: the first, and the one after the last."""
+    acquire = condition.acquire
+    return acquire.settle, acquire.settle + acquire.record
+
+
+def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[Total]) -> Prediction:
+    """A prediction with u_levels and u_settling as found at levels (m/s^2) about the set one.
+
+    A single level tells little of the settling, because its few rows may settle at once: the root mean square over all.
+    """
+    if point.W_T <= 0.0:
+        return point
+    apart = [total.window / total.total - 1.0 for total in totals if total.window is not None and total.total > 0.0]
+    return replace(
+        point,
+        u_levels=READ * misread(levels, [total.total for total in totals]) / point.W_T,
+        u_settling=math.sqrt(math.fsum(value**2 for value in apart) / len(apart)),
+    )
+
+
+def misread(levels: Sequence[float], W: Sequence[float]) -> float:
+    """Largest error, J, of reading W at one of the inner levels off its neighbours, as `analysis.session.prediction`
+    reads it: a power law between them, a straight line where W is 0 at one."""
+    errors = [0.0]
+    for n in range(1, len(levels) - 1):
+        (a0, a, a1), (W0, found, W1) = levels[n - 1 : n + 2], W[n - 1 : n + 2]
+        if W0 > 0.0 and W1 > 0.0:
+            read = W0 * (W1 / W0) ** (math.log(a / a0) / math.log(a1 / a0))
+        else:
+            read = W0 + (W1 - W0) * (a - a0) / (a1 - a0)
+        errors.append(abs(read - found))
+    return max(errors)
+
+
+def _table(levels: list[float], totals: list[Total]) -> dict[str, list[float]]:
+    return {
+        "acceleration": levels,
+        "W_T": [total.total for total in totals],
+        "W_f": [total.friction for total in totals],
+        "W_c": [total.collision for total in totals],
+    }
+
+
+def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
+    """A slug's prediction and table. Where its orbit jumps between levels, W_T at the measured level is uncertain by
+    what reading each level off its neighbours gets wrong: half of a jump at the jump."""
+    drive, filling, window = condition.drive, nominal(condition.scene, rig), _window(condition)
+
+    def tier(level: float, cycles: tuple[int, int]) -> SlugTotal:
+        return slug_tier(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
+
+    levels = [drive.acceleration * level for level in SLUG_LEVELS]
+    set_level = len(levels) // 2
+    found = [tier(level, SLUG_AVERAGE) for level in levels]
+    found[set_level] = tier(drive.acceleration, (SETTLE, AVERAGE))
+    totals, point = [one.total for one in found], _slug_prediction(condition, rig, found[set_level])
+    near = slice(set_level - SLUG_REACH - 1, set_level + SLUG_REACH + 2)
+    return _with_uncertainty(point, levels[near], totals[near]), _table(levels, totals)
+
+
+def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal) -> Prediction:
+    scene = condition.scene
+    mass = bed_mass(scene, rig.packing_shaken)
+    return Prediction(
+        bed_mass=mass,
+        box_mass=box_mass(scene.cavity, rig.wall_density),
+        layers=layer_count(scene),
+        carried=mass > 0.0 and not found.moves,
+        W_f=found.total.friction,
+        W_c=found.total.collision,
+        W_T=found.total.total,
+        W_T_paper=0.0,
+        bound=found.bound,
+        period=found.total.period,
+        periodic_share=found.total.periodic_share,
+        u_rel=math.hypot(SLUG_ERROR, found.error),
+    )
+
+
+def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Prediction:
+    scene, drive = condition.scene, condition.drive
+    velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
+    has_grains = scene.bed in ("layers", "locked")
+    mass = bed_mass(scene, rig.packing_shaken) if has_grains else 0.0
+    return Prediction(
+        bed_mass=mass,
+        box_mass=box_mass(scene.cavity, rig.wall_density),
+        layers=layer_count(scene) if has_grains else 0,
+        carried=mass > 0.0 and total.total == 0.0,
+        W_f=total.friction,
+        W_c=total.collision,
+        W_T=total.total,
+        W_T_paper=paper_tier(scene, rig, velocity),
+        bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
+        period=total.period,
+        periodic_share=total.periodic_share,
+    )

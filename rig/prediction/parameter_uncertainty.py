@@ -1,0 +1,68 @@
+"""How far the model's own unmeasured parameters leave W_T open: Monte Carlo over friction, restitution and play.
+
+None of them was measured for these grains: the ranges are stated here, rectangular and independent of each other (GUM
+Supplement 1). They matter where something else than this model made the record; a simulated bed `layers` shares them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from daq.random_streams import stream
+from rig.beds.janssen_stack import nominal
+from rig.catalog.entries import Rig
+from rig.errors import InputError
+from rig.prediction.model import total_of
+from rig.protocol.spec import Condition
+
+DRAWS = 100
+SEED = 1
+"""One seed for all conditions: a draw is one possible truth, the same in all of them."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A parameter's range with its reason, all of it assumed."""
+
+    low: float
+    high: float
+    reason: str
+
+
+STATED: Mapping[str, Stated] = {
+    "grain_friction": Stated(0.15, 0.5, "mu_p, smooth steel to angular oxide"),
+    "wall_friction": Stated(0.2, 0.6, "mu_s, grains on steel"),
+    "janssen_ratio": Stated(0.5, 0.9, "K_p, 0.7 within 0.2"),
+    "restitution_grains": Stated(0.8, 0.98, "e, 0.9 within 0.1, below 1"),
+    "restitution_wall": Stated(0.65, 0.85, "e0, 0.75 within 0.1"),
+    "play": Stated(0.1, 1.25, "c, from what discrete elements give to the paper's own distance and beyond"),
+}
+
+
+def model_ratios(condition: Condition, rig: Rig, draws: int = DRAWS) -> tuple[float, ...] | None:
+    """W_T over the nominal W_T at the set level, one for each draw of `STATED`; None where W_T is 0 or a draw cannot be
+    followed."""
+    scene, drive = condition.scene, condition.drive
+    point = total_of(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency).total
+    if not point > 0.0:
+        return None
+    ratios = []
+    for values in drawn(draws):
+        play = values.pop("play")
+        other = replace(scene, layers=replace(scene.layers, play=play))
+        chosen = replace(rig, **dict[str, Any](values))
+        try:
+            total = total_of(other, chosen, nominal(other, chosen), drive.acceleration, drive.frequency).total
+        except InputError:
+            return None
+        ratios.append(total / point)
+    return tuple(ratios)
+
+
+def drawn(draws: int) -> list[dict[str, float]]:
+    """The parameters of each draw, by name."""
+    u = stream(SEED, "model").random((draws, len(STATED)))
+    low, high = (np.array([getattr(stated, end) for stated in STATED.values()]) for end in ("low", "high"))
+    return [dict(zip(STATED, row.tolist(), strict=True)) for row in low + (high - low) * u]

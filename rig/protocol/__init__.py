@@ -1,0 +1,1 @@
+"""The experiment as data: read, checked, varied over its grid."""

@@ -1,0 +1,182 @@
+"""Protocols: YAML to a frozen Protocol and back, strictly. Every mistake of a file is reported at once."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rig.catalog.entries_by_name import HERE
+from rig.catalog.rig_file import is_path, rig_path
+from rig.documents.decode import Notes, Unreadable, describe, entries_of, grammar, paths_of, plain, value_of, word_of
+from rig.documents.nodes import Node
+from rig.documents.yaml_reader import read_file, read_yaml
+from rig.documents.yaml_writer import write_yaml
+from rig.errors import InputError, Mistake, in_order, quote
+from rig.protocol import shipped
+from rig.protocol.claims import plain_expect, read_expect
+from rig.protocol.deliberate_errors import BadPractice
+from rig.protocol.fault_list import misplaced, plain_faults, read_faults
+from rig.protocol.grid import Row, expand
+from rig.protocol.overrides import edited
+from rig.protocol.spec import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
+from rig.protocol.vary import Axes, plain_axes, read_axes
+
+PARTS: Mapping[str, type] = {"scene": Scene, "drive": Drive, "acquire": Acquire}
+REQUIRED = {"schema": SCHEMA, "name": "a name for the experiment"}
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
+
+
+@dataclass(frozen=True)
+class LoadedProtocol:
+    """A protocol, the text it was written as (before any change from the command line) and its file, if any."""
+
+    protocol: Protocol
+    text: str
+    path: Path | None
+
+
+def load_protocol(
+    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    rig: str | None = None,
+) -> Protocol:  # fmt: skip
+    """The protocol of a file, of a shipped name (`fill_rate`), or of a text (several lines, or a brace first).
+
+    `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]"; `seed` and `rig`
+    replace the protocol's. Raises InputError with every mistake in it.
+    """
+    return read_protocol(source, sets, varies, seed, rig).protocol
+
+
+def read_protocol(
+    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    rig: str | None = None,
+) -> LoadedProtocol:  # fmt: skip
+    """As load_protocol, with the verbatim text and the file beside the protocol."""
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+        path, text, name = None, source, "protocol"
+    else:
+        path = shipped.protocol_path(source)
+        if isinstance(source, str) and not os.path.lexists(path) and "\0" not in source:
+            raise _no_file(source)
+        text, name = read_file(path), str(path)
+    notes = Notes(known=tuple(paths_of(Protocol)))
+    root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
+    folder = path.parent if path is not None and rig is None else Path()
+    return LoadedProtocol(_read(root, folder, notes), text, path)
+
+
+def _no_file(source: str) -> InputError:
+    names, hint = ", ".join(shipped.names()), shipped.hint(source)
+    if NAME.fullmatch(source) and not source.endswith((".yaml", ".yml")):
+        found = f"no file and no shipped protocol {quote(source)}"
+        return InputError(Mistake(source, "", found, f"a protocol file, or one of {names}", hint))
+    return InputError(Mistake(source, "", "no such file or directory", "a readable file", hint))
+
+
+def dump_protocol(protocol: Protocol) -> str:
+    """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal protocol."""
+    data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
+    data["question"] = protocol.question
+    data |= {name: plain(kind, getattr(protocol, name)) for name, kind in PARTS.items()}
+    data["vary"] = plain_axes(protocol.vary)
+    data["repeats"] = plain(Repeats, protocol.repeats)
+    data |= {
+        "seed": protocol.seed,
+        "faults": plain_faults(protocol.faults),
+        "expect": [plain_expect(claim) for claim in protocol.expect],
+    }
+    if protocol.fidelity != "as_written":
+        data["fidelity"] = protocol.fidelity
+    if protocol.tolerance is not None:
+        data["tolerance"] = protocol.tolerance
+    made = plain(BadPractice, protocol.mistake)
+    if protocol.mistake.kinds:
+        data["mistake"] = {kind: made[kind] for kind in protocol.mistake.kinds}
+    return write_yaml(data)
+
+
+def protocol_template() -> str:
+    """A commented protocol to start from, as `rig init` writes it."""
+    return read_file(HERE / "templates" / "protocol.yaml")
+
+
+def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
+    axes = Axes()
+    notes.places[""] = root.where
+    try:
+        entries = entries_of(root, "", tuple(grammar(Protocol)), notes)
+    except Unreadable:
+        raise InputError(*in_order(notes.mistakes)) from None
+    given: dict[str, Any] = {}
+    for key in grammar(Protocol):
+        try:
+            if key == "vary" and key in entries:
+                axes = read_axes(entries[key], notes)
+            elif key in entries:
+                given[key] = _entry(key, entries[key], folder, notes)
+            elif key in REQUIRED:
+                notes.reject(root.where, key, "nothing", REQUIRED[key])
+        except Unreadable:
+            continue
+    protocol = Protocol(**{"name": "", "vary": tuple(axes.axes), **given})
+
+    def place(path: str, rows: Row) -> str:
+        for axis_path, row in rows.items():
+            if path == axis_path or path.startswith(f"{axis_path}."):
+                return axes.places[axis_path][row]
+        return notes.place_of(path)
+
+    mistakes = list(notes.mistakes)
+    try:
+        mistakes += misplaced(protocol, expand(protocol, place, _spread(notes.failed)), notes)
+    except InputError as error:
+        mistakes += error.mistakes
+    if mistakes:
+        raise InputError(*in_order(mistakes))
+    return protocol
+
+
+def _spread(failed: set[str]) -> frozenset[str]:
+    """Failed paths and every path below them: none of those values is the user's."""
+    below = (path for path in paths_of(Protocol) if any(path.startswith(f"{top}.") for top in failed))
+    return frozenset(failed.union(below))
+
+
+def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
+    """The value of one top-level key."""
+    notes.places[key] = node.where
+    if key == "schema":
+        return word_of(node, key, (SCHEMA,), notes)
+    if key == "name":
+        name = word_of(node, key, (), notes)
+        if not NAME.fullmatch(name):
+            allowed = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
+            raise notes.reject(node.where, key, describe(node), allowed)
+        return name
+    if key == "rig":
+        return _rig(node, folder, notes)
+    if key == "repeats" and isinstance(node.value, int):
+        return Repeats(value_of(grammar(Repeats)["n"], node, key, notes))
+    if key == "faults":
+        return read_faults(node, notes)
+    if key == "expect":
+        return read_expect(node, notes)
+    return value_of(grammar(Protocol)[key], node, key, notes)
+
+
+def _rig(node: Node, folder: Path, notes: Notes) -> str:
+    """The rig's name; a path is taken from the protocol's own folder."""
+    name = word_of(node, "rig", (), notes)
+    if is_path(name):
+        name = str(folder / name)
+    try:
+        rig_path(name)
+    except InputError as error:
+        for mistake in error.mistakes:
+            notes.reject(node.where, "rig", mistake.found, mistake.allowed, mistake.hint)
+        raise Unreadable("rig") from None
+    return name

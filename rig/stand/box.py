@@ -1,0 +1,26 @@
+"""The box: its mass, and the loss channels that a scene switches on."""
+
+from rig.catalog.entries import Rig
+from rig.drive.losses import Losses, cord_coefficient, guide_force
+from rig.protocol.spec import Cavity, Scene
+
+
+def box_mass(cavity: Cavity, wall_density: float) -> float:
+    """Mass of the closed box, kg: the wall lies outside the cavity on all six sides (rigid)."""
+    inner = cavity.length * cavity.width * cavity.height
+    thick = 2.0 * cavity.wall
+    outer = (cavity.length + thick) * (cavity.width + thick) * (cavity.height + thick)
+    return wall_density * (outer - inner)
+
+
+def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
+    """The loss channels that the scene switches on, with the rig's coefficients; `mass` (kg) is what the mount carries:
+    box, gauge side and bed. A box that nothing carries loses nothing to its mount. `gas` : of this filling, N s/m."""
+    mount = scene.support if "mount" in scene.losses else "none"
+    return Losses(
+        noise=rig.loss_noise if "noise" in scene.losses else 0.0,
+        air=rig.loss_air if "air" in scene.losses else 0.0,
+        gas=gas,
+        guide=guide_force(rig.guide_friction, mass, rig.gravity) if mount == "guide" else 0.0,
+        cords=cord_coefficient(rig.cord_loss_factor, rig.cord_frequency, mass) if mount == "cords" else 0.0,
+    )

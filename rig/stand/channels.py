@@ -1,0 +1,132 @@
+"""The instruments of a protocol: catalog entries and rig file become channels with a certified and an actual state."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from daq.chain.auto_range import smallest_range
+from daq.chain.channel import (
+    AnalyzerSpec,
+    Channel,
+    ChannelInfo,
+    ChannelState,
+    TransducerSpec,
+    certified_state,
+    channel_info,
+    draw_clock_error,
+    draw_state,
+    ideal_analyzer,
+    ideal_transducer,
+)
+from daq.random_streams import stream
+from rig.catalog.entries import Exciter, Rig
+from rig.catalog.entries_by_name import analyzer as analyzer_named
+from rig.catalog.entries_by_name import transducer
+from rig.drive.exciter_limits import PARTS
+from rig.errors import InputError, Mistake
+from rig.protocol.spec import Condition, Ranges
+
+CHANNELS = ("force", "acceleration")
+EXCITER_CHANNELS = ("current", "voltage")
+AUTO = "auto"
+OF_SESSION = ("analyzer", "sensors", "exciter_channels", "coupling", "ranges", "effects")
+"""Parts of `acquire` that are one for all conditions: a session has one channel table."""
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """What a session measures with: the same for all its runs.
+
+    states : the actual states, drawn once per session and channel; known to nobody but the truth
+    clock_error : relative error of the analyzer's clock, on which the generator runs too
+    exciter : the actual exciter, the rig file's values being what the laboratory knows of it
+    """
+
+    analyzer: AnalyzerSpec
+    channels: tuple[Channel, ...]
+    states: tuple[ChannelState, ...]
+    clock_error: float
+    exciter: Exciter
+
+    def table(self, rate: float, filter_delay: float) -> tuple[ChannelInfo, ...]:
+        """The channel table of the session file: certified values only."""
+        return tuple(channel_info(channel, self.analyzer, rate, filter_delay) for channel in self.channels)
+
+
+def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instruments:
+    """The instruments that a session seed gives; an ideal one is exactly what its certificate says.
+
+    Raises InputError where conditions ask for different instruments: a session has one channel table.
+    """
+    if len({tuple(getattr(c.acquire, part) for part in OF_SESSION) for c in conditions}) > 1:
+        raise InputError(
+            Mistake("", "vary", f"an axis over acquire.{', acquire.'.join(OF_SESSION)}",
+                    "one set of instruments in a session; run one session for each and compare")
+        )  # fmt: skip
+    acquire = conditions[0].acquire
+    analyzer = ideal_analyzer() if acquire.analyzer == "ideal" else analyzer_named(acquire.analyzer)
+    channels = tuple(
+        Channel(
+            name=name,
+            transducer=_transducer(name, getattr(acquire.sensors, name), acquire.effects),
+            range_V=_range_of(getattr(acquire.ranges, name, None), analyzer, float(rig.ranges[name])),
+            serial=f"synthetic-{name}",
+            direction="+drive",
+            coupling=(coupling := getattr(acquire.coupling, name, "DC")),
+            corner=None if coupling == "DC" else analyzer.ac_corner,
+        )
+        for name in (*CHANNELS, *(EXCITER_CHANNELS if acquire.exciter_channels else ()))
+    )
+    states = tuple(
+        certified_state(channel)
+        if acquire.analyzer == "ideal" and channel.transducer.model == "ideal"
+        else draw_state(channel, analyzer, stream(seed, "instrument", channel.name))
+        for channel in channels
+    )
+    known = acquire.sensors.current == "ideal"
+    exciter = rig.exciter if known else drawn_exciter(rig.exciter, stream(seed, "exciter"))
+    return Instruments(analyzer, channels, states, draw_clock_error(analyzer, stream(seed, "clock")), exciter)
+
+
+def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
+    """An exciter as it may really be: force constant and parts normal about what is known, U (k = 2) as stated."""
+    known = {"force_constant": exciter.force_constant_U, **dict.fromkeys(PARTS, exciter.parts_U)}
+    errors = 0.5 * np.array(list(known.values())) * rng.standard_normal(len(known))
+    factors = [math.exp(error) for error in errors]
+    return replace(
+        exciter,
+        **{name: getattr(exciter, name) * factor for name, factor in zip(known, factors, strict=True)},
+    )
+
+
+def ranged(tools: Instruments, asked: Ranges, peaks: Mapping[str, float]) -> Instruments:
+    """The instruments with the smallest sufficient range where that is left to the look ahead; peaks: by channel."""
+    channels = tuple(
+        replace(c, range_V=smallest_range(tools.analyzer.ranges, peaks[c.name] * c.transducer.sensitivity))
+        if getattr(asked, c.name, None) == AUTO
+        else c
+        for c in tools.channels
+    )
+    return replace(tools, channels=channels)
+
+
+def _range_of(asked: float | str | None, analyzer: AnalyzerSpec, otherwise: float) -> float:
+    """V; the largest until the look ahead has chosen."""
+    if asked == AUTO:
+        return max(analyzer.ranges)
+    return otherwise if asked is None else float(asked)
+
+
+def _transducer(channel: str, model: str, effects: Sequence[str]) -> TransducerSpec:
+    """A sensor with those extras of its sheet that are asked for."""
+    if model == "ideal":
+        return ideal_transducer(channel)  # type: ignore[arg-type]
+    full = transducer(model)
+    return replace(
+        full,
+        linearity=full.linearity if "linearity" in effects else None,
+        resonance=full.resonance if "resonance" in effects else None,
+        noise_spots=full.noise_spots if "flicker" in effects else (),
+    )

@@ -1,0 +1,1 @@
+"""The helpers of this folder are found from the folders in it."""

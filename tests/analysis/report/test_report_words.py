@@ -1,0 +1,149 @@
+"""What the report says in special cases: nothing put in, no line, single things, many alike, losses switched off."""
+
+from types import SimpleNamespace
+
+import pytest
+from claim_data import entry, result
+from page_report import demo_report
+
+from analysis.comparison.claims import judge
+from analysis.comparison.null_tests import Null
+from analysis.comparison.pooled_ratio import Fit
+from analysis.comparison.references import Reference
+from analysis.comparison.verdict import verdict
+from analysis.report import wording
+from analysis.report.figures.energy import energy_plots
+from analysis.report.loss_names import loss_name, losses_sentence
+from analysis.report.tables.offset_tables import LOSSES, causes
+from analysis.report.tables.report_tables import conditions
+from analysis.text import counted
+from analysis.uncertainty.estimate import Estimate
+
+
+@pytest.fixture
+def report():
+    return demo_report()
+
+
+def test_nothing_put_in_is_no_percentage(report):
+    report["agreement"]["put_in"] = 0.0
+    assert "puts in nothing" in wording.headline(report)
+    assert "0 %" not in wording.headline(report).split(";")[1]
+
+
+def test_no_slope_where_no_line_fits(report):
+    """chi^2 of 10 has p = 0.44 at 10 degrees of freedom, of 40 p = 2e-5 (tables)."""
+    one = Estimate.of(1.0, [(0.05, 50.0)])
+    for chi2, told in ((10.0, "Slope through the origin 0.957"), (40.0, "No straight line describes")):
+        fit = Fit(one, one, chi2, 10)
+        stated = {"slope": 0.957, "U_slope": 0.005} if fit.is_likely else {"slope": None, "U_slope": None}
+        report["agreement"] |= {**stated, "line": fit.row()}
+        assert fit.is_likely == (fit.row()["slope"] is not None) == (chi2 == 10.0)
+        assert any(told in text for text in wording.found(report))
+
+
+def test_without_a_prediction_the_energies_are_said(report):
+    report["agreement"]["ratio"] = None
+    for row in report["conditions"]:
+        row["W_T"] = None
+    first = report["conditions"][0]
+    assert "nothing is predicted" in wording.tested(report)
+    assert f"mJ per cycle in {len(report['conditions'])} conditions" in wording.headline(report)
+    report["conditions"] = [first]
+    assert f"W_exp in mJ per cycle: {first['id']} {1e3 * first['W_exp']:.0f}"[:-1] in wording.headline(report)
+
+
+def test_counted():
+    assert [counted(n, "run") for n in (0, 1, 2)] == ["0 runs", "1 run", "2 runs"]
+
+
+def test_claims_that_are_not_there_are_not_counted(report):
+    claim = {"claim": "", "test": "", "found": "", "verdict": "holds", "why": "", "ties": [], "cases": []}
+    report["claims"] = [claim, claim | {"verdict": "undecided"}]
+    assert "Of 2 claims 1 holds, 1 is undecided." in wording.found(report)
+    report["claims"] = [claim]
+    assert "The only claim: holds." in wording.found(report)
+
+
+def test_losses_that_are_switched_off_are_no_causes(report):
+    row = {"law": "", "words": "", "share": 430.0, "empty": 430.0, "empty_from": "computed", "locked": 430.0,
+           "locked_from": "computed", "note": "", "over_first_principles": None,
+           "grows_with": {"acceleration": None, "mass": None, "fill": None}}  # fmt: skip
+    report["causes"] = [row | {"cause": name, "in_run": False} for name in LOSSES]
+    report["causes"].append(row | {"cause": "scale", "in_run": True})
+    table = causes(report)
+    assert [cells[0].text for cells in table.rows] == ["scale"]
+    assert "switched off" in table.note
+    report["causes"][0]["in_run"] = True
+    table = causes(report)
+    assert len(table.rows) == len(LOSSES) + 1
+    assert [cells[3].text[0] == "(" for cells in table.rows] == [False, *[True] * (len(LOSSES) - 1), False]
+
+
+def test_what_else_was_varied_is_a_column_and_an_axis(report):
+    rows = report["conditions"][:3]
+    for row, gap in zip(rows, ("1 mm", "2 mm", "3 mm"), strict=True):
+        row |= {"varied": {"gap": gap}, "acceleration_set": 5.0, "fill": 0.2, "bed": "slug"}
+    report["conditions"] = rows
+    table = conditions(report)
+    assert [cells[table.head.index("gap")].text for cells in table.rows] == ["1 mm", "2 mm", "3 mm"]
+    (plot,) = energy_plots(report)
+    assert all(f">{text}<" in plot.svg for text in ("gap", "1 mm", "2 mm", "3 mm"))
+
+
+def test_many_checks_alike_are_one_sentence():
+    """13 frequencies give 13 nulls and references: one sentence of each verdict, the narrowest named."""
+    nulls = [Null("locked", 38.0, f, 1, None, "undecided", "only 1 level") for f in range(13)]
+    masses = [
+        Reference("rigid mass", "empty box", "kg", 12.0 + 0.01 * n, 12.0, 0.2, "holds", f"number {n}")
+        for n in range(13)
+    ]  # fmt: skip
+    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], nulls, masses, None, [])
+    told = [text for text in found.reasons if "null" in text or "reference" in text]
+    assert told == [
+        "The null test with the locked bed is undecided in 13 cases: only 1 level.",
+        "The reference rigid mass (empty box) holds in 13 cases, most narrowly: number 12.",
+    ]
+    wrong = Null("locked", 38.0, 20.0, 3, Estimate(2.0, 0.1, 5.0), "does not hold", "too large")
+    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], [*nulls, wrong], [], None, [])
+    assert found.failures == ("The null test with the locked bed does not hold: too large.",)
+
+
+@pytest.mark.parametrize(
+    ("W", "why"),
+    [
+        ({"1a": [1.0]}, "only one value was measured, a"),
+        ({"1a": [1.0], "1b": [2.0]}, "no condition was repeated"),
+        ({"1a": [1e-9, 2e-9], "1b": [1e-9, -1e-9]}, "no repeated condition stands out"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["optimum", "rise"])
+def test_why_nothing_can_be_compared(kind, W, why):
+    results = {name: result(values, name=name) for name, values in W.items()}
+    (claim,) = judge([entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results)
+    assert claim["verdict"] == "undecided"
+    assert why in claim["why"]
+
+
+def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
+    report["agreement"] |= {"ratio": None, "put_in": 155.0}
+    assert "so no offset is stated: the losses of the box" in wording.headline(report)
+    assert "155 times" in wording.headline(report).replace("160", "155")
+    report["agreement"]["put_in"] = 0.3
+    assert wording.headline(report).endswith("so no offset is stated.")
+    report["agreement"] |= {"ratio_recorded": 13.5, "U_ratio_recorded": 0.4, "put_in_recorded": 12.3}
+    assert any("the losses of the box" in text for text in wording.found(report))
+
+
+def test_the_papers_words_explain_no_loss_that_is_larger_than_they_can_be(report):
+    """Named by its law, and unexplained unless its size is known and no larger than the word would make it."""
+    row = {"in_run": True}
+    for low, high, word in ((3.0, 40.0, "unexplained "), (0.5, 1.0, ""), (None, None, "unexplained ")):
+        over = None if low is None else {"low": low, "high": high}
+        report["causes"] = [row | {"cause": name, "over_first_principles": over} for name in ("noise", "air", "gas")]
+        assert loss_name("noise", report) == f"{word}viscous loss (the paper's noise)"
+        assert loss_name("air", report) == f"{word}quadratic loss (the paper's air)"
+        assert loss_name("gas", report) == "gas"
+        assert ("the paper's air" in losses_sentence(report)) == bool(word)
+    report["causes"][0]["over_first_principles"] = {"low": 317307.3, "high": 317307.3}
+    assert "317 000 times the sound" in losses_sentence(report)
