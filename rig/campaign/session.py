@@ -8,6 +8,7 @@ from daq.session import RunPlan, SessionPlan
 from rig.campaign.beginning import NAMES as TRIGGER
 from rig.campaign.dwelling import LEVEL_SCALARS
 from rig.campaign.fidelity import choices_document, choices_text
+from rig.campaign.forecast import Forecast
 from rig.campaign.practice import told
 from rig.campaign.recorded import NAMES
 from rig.campaign.setup import Campaign
@@ -15,22 +16,21 @@ from rig.cases import cases, varied
 from rig.catalog.entries import Exciter
 from rig.catalog.rigfile import dump_rig
 from rig.drive.exciter import Demand, solvable_band
-from rig.model import Prediction
-from rig.plan import condition_facts, has_level, prediction_document, predictions
+from rig.plan import condition_facts, has_level, prediction_document
 from rig.protocol import dump_protocol
 from rig.provenance import now, provenance
-from rig.refills import refill_ratios
 from rig.schedule import Run
 from rig.settings import assumed_settings
 
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 
-def session_plan(campaign: Campaign) -> SessionPlan:
-    """Everything that a session file holds except the samples."""
-    found = predictions(campaign.conditions, campaign.rig, 1, campaign.averaged)
+def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPlan:
+    """Everything that a session file holds except the samples; found: the forecasts by condition."""
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
-    facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
+    facts = [
+        condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate) for c in campaign.conditions
+    ]
     facts = [{**fact, "varied": varied(protocol, c)} for fact, c in zip(facts, campaign.conditions, strict=True)]
     rate = campaign.lengths[campaign.conditions[0].id].rate
     if protocol.mistake.kind is not None:
@@ -49,7 +49,8 @@ def session_plan(campaign: Campaign) -> SessionPlan:
                   "expect": cases(protocol, campaign.conditions)},
         documents={
             "prediction": prediction_document(
-                {c.id: found[c.id] for c in campaign.conditions if has_level(c)}, poured(campaign, found)
+                {c.id: (found[c.id].point, found[c.id].table) for c in campaign.conditions if has_level(c)},
+                {name: one.refills for name, one in found.items()},
             ),
             "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
                     "provenance": dict(campaign.rig.provenance),
@@ -71,16 +72,6 @@ def session_plan(campaign: Campaign) -> SessionPlan:
             *(NAMES if campaign.recorded else ()),
         ),
     )  # fmt: skip
-
-
-def poured(
-    campaign: Campaign, found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]
-) -> dict[str, tuple[float, ...]]:
-    """Energies of poured beds over W_T by condition; nothing where the repeats share one bed."""
-    if not campaign.protocol.repeats.refill:
-        return {}
-    told = (c for c in campaign.conditions if has_level(c))
-    return {c.id: refill_ratios(c, campaign.rig, found[c.id][0].W_T) for c in told}
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:

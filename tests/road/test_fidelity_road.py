@@ -14,6 +14,7 @@ from analysis import write_report
 from analysis.report.fidelity import fidelity_sentences
 from daq.session import Recorder, open_session
 from rig.beds.stack import nominal, stack
+from rig.campaign.forecast import forecasts
 from rig.campaign.peaks import use_of
 from rig.campaign.preflight import preflight
 from rig.campaign.resolve import campaign_of
@@ -237,7 +238,7 @@ def test_a_stopped_session_goes_on_with_what_was_chosen(tmp_path: Path) -> None:
     folder = tmp_path / "stopped"
     folder.mkdir()
     first = min(made.runs, key=lambda one: one.order)
-    with Recorder.create(folder / "session.h5", session_plan(made)) as recorder:
+    with Recorder.create(folder / "session.h5", session_plan(made, forecasts(made))) as recorder:
         for part in made.parts(first):
             recorder.append(first.name, part.block)
             if part.scalars is not None:
