@@ -1,29 +1,45 @@
-"""Where the runs of a campaign are computed: the one interface, whatever computes them."""
+"""Where the tasks of a campaign are computed: the one interface, whatever computes them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
-from typing import Protocol
+from typing import Any, Protocol
 
-from rig.campaign.campaign import Campaign
-from rig.campaign.one_run.part import Part
-from rig.protocol.schedule import Run
+
+class Task(Protocol):
+    """Something to compute; `name` stands in messages."""
+
+    @property
+    def name(self) -> str:
+        """A word for it."""
+        ...
+
+
+class Item(Protocol):
+    """Something that a task gives."""
+
+    @property
+    def ends(self) -> bool:
+        """Whether it is the last of its task."""
+        ...
+
+
+Compute = Callable[[Any], Iterator[Any]]
+"""From a task to its items, the same whenever and wherever it is called: a function that can be pickled."""
 
 
 class Executor(Protocol):
-    """Computes runs somewhere: in processes of this machine (`rig.campaign.workers`), or on other machines.
+    """Computes tasks somewhere: in processes of this machine (`rig.campaign.workers`), or on other machines.
 
-    What it gives hangs on the campaign and the runs alone. tests/conformance/test_executors.py holds every
-    implementation to that.
+    tests/conformance/test_executors.py holds every implementation to what follows.
     """
 
-    def started(
-        self, campaign: Campaign, waiting: Sequence[Run], speed: float | None
-    ) -> AbstractContextManager[Iterator[Part]]:
-        """Start on the waiting runs, in their order; give their parts, and end all work after the block.
+    def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> AbstractContextManager[Iterator[Any]]:
+        """Start on the tasks, in their order; give their items, and end all work after the block.
 
-        Every part comes once, each run's in order; the runs may come interleaved. A run whose worker is lost is
-        computed again and goes on after the part that came last: it is the same run, to the byte. Raised from the
-        iteration: what `paced` raises, as it was raised; WorkerLost where nothing is left that computes;
-        WorkerFailed for a defect. Nothing that is lost is waited for.
+        No task of a stage is begun before all items of the stage before have come. Every item comes once, each task's
+        in order; the tasks of a stage may come interleaved. A task whose worker is lost is computed again and goes on
+        after the item that came last: it is the same task, to the byte. Raised from the iteration: what `compute`
+        raises, as it was raised; WorkerLost where nothing is left that computes; WorkerFailed for a defect. Nothing
+        that is lost is waited for.
         """
         ...

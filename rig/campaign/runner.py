@@ -6,7 +6,8 @@ not grow with the length of a record and nothing depends on the number of worker
 
 import importlib
 from collections.abc import Callable
-from itertools import zip_longest
+from functools import partial
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from rig.campaign.campaign import Campaign
 from rig.campaign.executor import Executor
 from rig.campaign.one_run.recorder import Watch, record_parts
 from rig.campaign.resolve import campaign_of
+from rig.campaign.tasks import ToPredict, computed
 from rig.campaign.workers import Processes
 from rig.catalog.rig_file import load_rig
 from rig.errors import InputError, Mistake
@@ -44,7 +46,7 @@ def run(
 
     `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
     `progress` is told of every run, `look` of every block. `executor`: where the runs are computed, instead of in
-    `workers` processes of this machine; it is at work while the predictions are made and the session file is built.
+    `workers` processes of this machine: predictions, then runs; it is at work while the session file is built.
     """
     if isinstance(campaign, Protocol):
         campaign = campaign_of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
@@ -53,8 +55,9 @@ def run(
     resume = resume and path.exists()
     finished = _finished(campaign, path) if resume else set()
     waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
+    to_predict = [] if resume else [ToPredict(condition) for condition in campaign.conditions]
     executor = executor or Processes(workers if speed is None else 1)
-    with executor.started(campaign, waiting, speed) as parts:
+    with executor.started(partial(computed, campaign, speed), (to_predict, waiting)) as items:
         from analysis.pipeline import read_session
         from analysis.report.files import write_report
         from daq.session.writer import Recorder
@@ -66,13 +69,14 @@ def run(
         if resume:
             recorder = Recorder.resume(path)
         else:
-            plan = session_plan(campaign)
+            found = {one.condition: one for one in islice(items, len(to_predict))}
+            plan = session_plan(campaign, found)
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
         if (out / "report.json").exists():  # of what was recorded before
             mark_unfinished(out)
         with recorder:
-            energies = record_parts(recorder, parts, progress, look)
+            energies = record_parts(recorder, items, progress, look)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report

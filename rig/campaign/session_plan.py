@@ -8,6 +8,7 @@ from daq.session.plan import RunPlan, SessionPlan
 from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
+from rig.campaign.forecast import Forecast
 from rig.campaign.one_run.coupled_dwell import LEVEL_SCALARS
 from rig.campaign.one_run.deliberate_errors import told
 from rig.campaign.one_run.predict_on_record import NAMES
@@ -17,20 +18,19 @@ from rig.campaign.provenance import now, provenance
 from rig.catalog.entries import Exciter
 from rig.catalog.rig_file import dump_rig
 from rig.drive.exciter_limits import Demand, solvable_band
-from rig.prediction.document import condition_facts, has_level, prediction_document, predictions
-from rig.prediction.model import Prediction
-from rig.prediction.refills import refill_ratios
+from rig.prediction.document import condition_facts, has_level, prediction_document
 from rig.protocol.load import dump_protocol
 from rig.protocol.schedule import Run
 
 SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 
-def session_plan(campaign: Campaign) -> SessionPlan:
-    """Everything that a session file holds except the samples."""
-    found = predictions(campaign.conditions, campaign.rig, 1, campaign.averaged)
+def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPlan:
+    """Everything that a session file holds except the samples; found: the forecasts by condition."""
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
-    facts = [condition_facts(c, campaign.rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions]
+    facts = [
+        condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate) for c in campaign.conditions
+    ]
     facts = [{**fact, "varied": varied(protocol, c)} for fact, c in zip(facts, campaign.conditions, strict=True)]
     rate = campaign.lengths[campaign.conditions[0].id].rate
     if protocol.mistake.kind is not None:
@@ -49,7 +49,8 @@ def session_plan(campaign: Campaign) -> SessionPlan:
                   "expect": cases(protocol, campaign.conditions)},
         documents={
             "prediction": prediction_document(
-                {c.id: found[c.id] for c in campaign.conditions if has_level(c)}, poured(campaign, found)
+                {c.id: (found[c.id].point, found[c.id].table) for c in campaign.conditions if has_level(c)},
+                {name: one.refills for name, one in found.items()},
             ),
             "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
                     "provenance": dict(campaign.rig.provenance),
@@ -71,16 +72,6 @@ def session_plan(campaign: Campaign) -> SessionPlan:
             *(NAMES if campaign.recorded else ()),
         ),
     )  # fmt: skip
-
-
-def poured(
-    campaign: Campaign, found: Mapping[str, tuple[Prediction, dict[str, list[float]]]]
-) -> dict[str, tuple[float, ...]]:
-    """Energies of poured beds over W_T by condition; nothing where the repeats share one bed."""
-    if not campaign.protocol.repeats.refill:
-        return {}
-    told = (c for c in campaign.conditions if has_level(c))
-    return {c.id: refill_ratios(c, campaign.rig, found[c.id][0].W_T) for c in told}
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:

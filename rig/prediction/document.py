@@ -37,7 +37,8 @@ def has_level(condition: Condition) -> bool:
 
 
 def prediction_document(
-    found: Mapping[str, tuple[Prediction, dict[str, list[float]]]], refills: Mapping[str, Sequence[float]] = NO_REFILLS
+    found: Mapping[str, tuple[Prediction, Mapping[str, Sequence[float]]]],
+    refills: Mapping[str, Sequence[float]] = NO_REFILLS,
 ) -> dict[str, Any]:
     """The predictions as plain numbers for the session: another model's numbers may stand in their place.
 

@@ -13,6 +13,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import pairwise
 from multiprocessing import active_children
 from types import SimpleNamespace
 from typing import Any
@@ -22,8 +24,9 @@ import pytest
 
 from daq.chain.block import Block, Flag
 from daq.chain.clock import Overrun, Pacer
-from rig.campaign.executor import Executor
-from rig.campaign.one_run.part import Part, paced
+from rig.campaign.executor import Compute, Executor, Task
+from rig.campaign.one_run.part import Part
+from rig.campaign.tasks import computed
 from rig.campaign.workers import Processes
 from rig.errors import InputError, Mistake, WorkerFailed, WorkerLost
 
@@ -35,9 +38,8 @@ class Here:
     """The reference: one run after the other, in this process."""
 
     @contextmanager
-    def started(self, campaign: Any, waiting: Sequence[Any], speed: float | None) -> Iterator[Iterator[Part]]:
-        rates = {name: size.rate for name, size in campaign.lengths.items()}
-        yield (part for run in waiting for part in paced(campaign.parts(run), rates[run.condition.id], speed))
+    def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> Iterator[Iterator[Any]]:
+        yield (item for stage in stages for task in stage for item in compute(task))
 
 
 MAKERS: dict[str, Callable[[], Executor]] = {
@@ -63,6 +65,11 @@ class Counted:
             SimpleNamespace(name=f"run_{number:04d}", number=number, condition=SimpleNamespace(id="c"))
             for number in range(self.runs)
         ]
+
+    @property
+    def computed(self) -> Compute:
+        """As fast as possible."""
+        return partial(computed, self, None)
 
     def parts(self, run: Any) -> Iterator[Part]:
         rng = np.random.default_rng(run.number)
@@ -92,7 +99,7 @@ def nothing_hangs() -> Iterator[None]:
 def taken(executor: Executor, campaign: Any, each: Callable[[int], None] = lambda _: None) -> dict[str, list[Part]]:
     """Parts by run; `each` hears how many have come."""
     found: dict[str, list[Part]] = {}
-    with executor.started(campaign, campaign.waiting, None) as parts:
+    with executor.started(campaign.computed, [campaign.waiting]) as parts:
         for number, part in enumerate(parts):
             found.setdefault(part.run, []).append(part)
             each(number)
@@ -103,9 +110,41 @@ def test_processes_begin_before_anybody_asks() -> None:
     """The writer predicts and makes its file meanwhile: a worker that waits to be asked would be idle."""
     begun, tell = os.pipe()
     campaign = Counted(3, then=lambda _run, _part: os.write(tell, b"."))
-    with Processes(2).started(campaign, campaign.waiting, None):
+    with Processes(2).started(campaign.computed, [campaign.waiting]):
         assert select.select([begun], [], [], HANGS / 2)[0]
         os.read(begun, 1 << 16)  # the part that loads the kernels, computed here
+        assert select.select([begun], [], [], HANGS / 2)[0]
+    os.close(begun)
+    os.close(tell)
+
+
+@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("sizes", [(0, 3), (3, 0), (1, 4), (5, 5), (0, 0), (2, 0, 6)])
+def test_a_stage_begins_when_the_one_before_has_come(name: str, sizes: Sequence[int]) -> None:
+    """Every task says when it begins; before that, all items of earlier stages have been taken from the workers."""
+    begun, tell = os.pipe()
+    campaign = Counted(sum(sizes), samples=10, then=lambda run, _: os.write(tell, run.to_bytes(2, "big")))
+    first = [sum(sizes[:k]) for k in range(len(sizes) + 1)]
+    stages = [campaign.waiting[a:b] for a, b in pairwise(first)]
+    came: list[int] = []
+    with MAKERS[name]().started(campaign.computed, stages) as items:
+        came.extend(int(item.run[-4:]) for item in items)
+    os.close(tell)
+    with os.fdopen(begun, "rb") as pipe:
+        told = pipe.read()
+    order = [next(k for k in range(len(sizes)) if number < first[k + 1]) for number in came]
+    assert order == sorted(order)
+    assert sorted(came) == sorted(BLOCKS * list(range(sum(sizes))))
+    assert set(zip(told[::2], told[1::2], strict=True)) == {(0, number) for number in range(sum(sizes))}
+
+
+def test_the_next_stage_begins_before_anybody_asks_for_it() -> None:
+    """The writer makes its file between the stages."""
+    begun, tell = os.pipe()
+    campaign = Counted(6, samples=10, then=lambda run, _: os.write(tell, b"x" if run == 3 else b""))
+    with Processes(2).started(campaign.computed, [campaign.waiting[:2], campaign.waiting[2:]]) as items:
+        for _ in range(2 * BLOCKS):
+            next(items)
         assert select.select([begun], [], [], HANGS / 2)[0]
     os.close(begun)
     os.close(tell)
@@ -135,7 +174,7 @@ def test_every_part_comes_once_and_in_order(name: str, runs: int) -> None:
 @pytest.mark.parametrize("name", MAKERS)
 def test_leaving_early_ends_the_work(name: str) -> None:
     campaign = Counted(7)
-    with MAKERS[name]().started(campaign, campaign.waiting, None) as parts:
+    with MAKERS[name]().started(campaign.computed, [campaign.waiting]) as parts:
         next(parts)
     assert not active_children()
 
@@ -167,7 +206,7 @@ def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytes
     """Held to a thousand million times real time, without an allowance: the second part is late."""
     monkeypatch.setattr("daq.chain.clock.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
     campaign, found = Counted(1), []
-    with pytest.raises(Overrun), MAKERS[name]().started(campaign, campaign.waiting, 1e9) as parts:
+    with pytest.raises(Overrun), MAKERS[name]().started(partial(computed, campaign, 1e9), [campaign.waiting]) as parts:
         found.extend(parts)  # what came before the error stays in the list
     assert [int(part.block.flags[0]) for part in found] == [0, int(Flag.OVERRUN)]
 
@@ -266,7 +305,7 @@ def test_workers_end_with_their_parent(busy: bool) -> None:
     child = os.fork()
     if not child:
         parent = os.getpid()
-        with Processes(3).started(Counted(9, then=tell), Counted(9).waiting, None) as parts:
+        with Processes(3).started(Counted(9, then=tell).computed, [Counted(9).waiting]) as parts:
             next(parts)
             threading.Event().wait()
     parent = child

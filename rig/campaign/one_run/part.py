@@ -22,6 +22,11 @@ class Part:
     flags: int = 0
     punctuality: Punctuality = NEVER_LATE
 
+    @property
+    def ends(self) -> bool:
+        """Whether it is the last of its run."""
+        return self.scalars is not None
+
     def ended(self, punctuality: Punctuality) -> "Part":
         """With how late the run's blocks came, where it is the last of the run."""
         return self if self.scalars is None else replace(self, punctuality=punctuality)
