@@ -345,8 +345,10 @@ def _campaign(
 ) -> "Campaign":
     from rig.campaign import Campaign
     from rig.catalog import load_rig
+    from rig.cli.compiling import announce_compiling
 
     loaded = _load(source, sets, varies, seed, rig)
+    announce_compiling()
     return Campaign.of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
 
 

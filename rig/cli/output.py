@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ PASSES = "passes"
 
 
 def print_json(value: Any) -> None:
-    """JSON on standard output, nothing else."""
-    print(json_text(value))
+    """JSON on standard output, nothing else; as much of it as is read."""
+    with suppress(BrokenPipeError):
+        print(json_text(value))
 
 
 def say(sentence: str, to_stderr: bool = False) -> None:

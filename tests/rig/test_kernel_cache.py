@@ -42,3 +42,35 @@ def test_a_changed_callee_is_compiled_anew(tmp_path: Path, how: str, after: int)
     (package / "callee.py").write_text(CALLEE.format(value=2))
     assert answer(tmp_path, how) == after
     assert answer(tmp_path, how) == after
+
+
+COMPILE = """
+import sys
+from numba import njit
+from rig.cli.compiling import announce_compiling
+announce_compiling()
+from kernels.caller import outer
+outer()
+"""
+
+
+def test_compiling_is_announced_once_and_loading_is_not(tmp_path: Path) -> None:
+    package = tmp_path / "kernels"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "caller.py").write_text(CALLER)
+    (package / "callee.py").write_text(CALLEE.format(value=1))
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(Path.cwd())))}
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", COMPILE],
+            cwd=tmp_path,
+            env=env,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+        ).stderr
+        for _ in range(2)
+    ]
+    assert [text.count("compiling") for text in said] == [1, 0]
