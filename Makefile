@@ -29,6 +29,7 @@ dist: $(READY)
 	rm -rf build/dist && mkdir -p build
 	$(LOCKED) $(BIN)/python -m build --outdir build/dist . > build/dist.log 2>&1 || { cat build/dist.log; exit 1; }
 	$(BIN)/python -m twine check --strict build/dist/*
+	$(BIN)/python .ci/wheel_content build/dist/*.whl
 
 # An HDF5 before 2.0 reads what today's writes: by the versions of its own lock, the same on any day.
 OLD_HDF5 := build/old-hdf5

@@ -18,20 +18,23 @@ def indented(value: Any) -> str:
 
 
 def _text(value: Any, depth: int) -> str:
-    if type(value) is float and math.isfinite(value):
-        return repr(value)
+    """JSON of a value that stands at a depth."""
+    if value is None:
+        return "null"
     if not isinstance(value, dict | list | tuple) or not value:
         return _encoder(depth).encode(value)
     inner = value.values() if isinstance(value, dict) else value
     if not any(isinstance(item, dict | list | tuple) and item for item in inner):
         flat = _encoder(depth).encode(value)
         first, body, last = flat[0], flat[1:-1], flat[-1]
-    elif isinstance(value, dict):
-        first, last = "{}"
-        body = _between(depth).join(f"{_key(key)}: {_text(item, depth + 1)}" for key, item in value.items())
     else:
-        first, last = "[]"
-        body = _between(depth).join(_text(item, depth + 1) for item in value)
+        first, last = "{}" if isinstance(value, dict) else "[]"
+        texts = [
+            repr(item) if type(item) is float and math.isfinite(item) else _text(item, depth + 1) for item in inner
+        ]
+        if isinstance(value, dict):
+            texts = [f"{_key(key)}: {text}" for key, text in zip(value, texts, strict=True)]
+        body = _between(depth).join(texts)
     return f"{first}\n{' ' * (depth + 1)}{body}\n{' ' * depth}{last}"
 
 
@@ -40,6 +43,7 @@ def _between(depth: int) -> str:
     return ",\n" + " " * (depth + 1)
 
 
+@lru_cache(maxsize=1024, typed=True)  # True is 1
 def _key(key: Any) -> str:
     """A key as JSON: text as it is, a number, true, false or null as text."""
     if isinstance(key, str):

@@ -42,6 +42,8 @@ def json_text(value: Any, indent: Literal[1] | None = 1) -> str:
     """Return JSON text whose hidden characters are JSON's own escapes: it reads back to the same value."""
     one_line = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
     text = one_line(value) if indent is None else indented(value)
+    if text.isascii() and "\x7f" not in text:  # JSON escapes the other controls by itself
+        return text
     return _BUT_LINES.sub(lambda found: _json_escaped(found[0]), text)
 
 

@@ -6,6 +6,7 @@ and for the refills that were predicted; what it holds is computed anew for the 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -62,22 +63,35 @@ def coverage(result: Result) -> Coverage | None:
     poured = np.array(result.refills) * result.W_T.value / result.W_exp.value
     certified = math.sqrt(math.fsum(line.part**2 for line in result.lines if line.shared)) / result.W_exp.value
     n = len(result.runs)
-    share, plain = held(poured, certified, n, stretch(result.refills, n)), held(poured, certified, n)
-    tried = (n, *(m for m in TRIED if m > n))
-    return Coverage(share, plain, next((m for m in tried if held(poured, certified, m) >= WANTED), None))
+    share, plain = held(poured, certified, n, (stretch(result.refills, n), 1.0))
+    needed = n if plain >= WANTED else None
+    for m in TRIED:
+        if needed is None and m > n and held(poured, certified, m)[0] >= WANTED:
+            needed = m
+    return Coverage(share, plain, needed)
 
 
-def held(poured: Array, certified: float, n: int, factor: float = 1.0) -> float:
-    """Return the share of sessions of n refills whose U of W_exp holds the mean.
+def held(poured: Array, certified: float, n: int, factors: Sequence[float] = (1.0,)) -> tuple[float, ...]:
+    """Return the shares of sessions of n refills whose U of W_exp holds the mean.
 
     poured: energies that refills are drawn from, over W_exp; certified: relative standard uncertainty of the
-    instruments; factor: on the scatter between refills.
+    instruments; factors: on the scatter between refills, a share for each.
     """
     error, scatter = sessions_of(poured, n, SESSIONS)
-    error = error + certified * np.random.default_rng(SEED).standard_normal(SESSIONS)
-    total = np.hypot(factor * scatter, certified)
-    share, k = _factors(n)
-    return float(np.mean(np.abs(error) <= np.interp((factor * scatter / total) ** 2, share, k) * total))
+    error = np.abs(error + certified * _certificates())
+    shares, k = _factors(n)
+    found = []
+    for factor in factors:
+        own = (factor * scatter) ** 2
+        whole = own + certified**2
+        found.append(float(np.mean(error <= np.interp(own / whole, shares, k) * np.sqrt(whole))))
+    return tuple(found)
+
+
+@lru_cache(maxsize=1)
+def _certificates() -> Array:
+    """Errors of the instruments over their u, in every session drawn."""
+    return np.random.default_rng(SEED).standard_normal(SESSIONS)
 
 
 @lru_cache(maxsize=32)

@@ -54,6 +54,12 @@ class Number:
         inside = self.least < value if self.above else self.least <= value
         return inside and value <= self.most and (not self.whole or value == int(value))
 
+    def holds_all(self, values: list[Any]) -> bool:
+        """Whether all values are such numbers; of floats their extremes tell it, in a tenth of the time."""
+        if set(map(type, values)) == {float} and not self.whole and math.isfinite(sum(values)):  # no NaN among them
+            return self.holds(min(values)) and self.holds(max(values))
+        return all(map(self.holds, values))
+
 
 @dataclass(frozen=True)
 class Text:
@@ -154,6 +160,8 @@ def deviations(value: Any, shape: Shape, path: str = "") -> Iterator[str]:
             if not isinstance(value, list) or not shape.least <= len(value) <= shape.most:
                 most = f" and at most {shape.most}" if shape.most < math.inf else ""
                 yield f"{path} is {_quoted(value)}, expected a list of at least {shape.least}{most}"
+                return
+            if isinstance(shape.item, Number) and shape.item.holds_all(value):
                 return
             for position, item in enumerate(value):
                 yield from deviations(item, shape.item, f"{path}[{position}]")

@@ -8,7 +8,6 @@ from daq.session.plan import RunPlan, SessionPlan
 from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
-from rig.campaign.forecast import Forecast
 from rig.campaign.one_run.coupled_dwell import LEVEL_SCALARS
 from rig.campaign.one_run.deliberate_errors import told
 from rig.campaign.one_run.predict_on_record import NAMES
@@ -19,6 +18,7 @@ from rig.catalog.entries import Exciter
 from rig.catalog.rig_file import dump_rig
 from rig.drive.exciter_limits import Demand, solvable_band
 from rig.prediction.document import condition_facts, has_level, prediction_document
+from rig.prediction.forecast import Forecast
 from rig.protocol.load import dump_protocol
 from rig.protocol.schedule import Run
 

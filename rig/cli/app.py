@@ -345,8 +345,11 @@ def _campaign(
 ) -> "Campaign":
     from rig.campaign.resolve import campaign_of
     from rig.catalog.rig_file import load_rig
+    from rig.cli.terminal.output import say_compiling
+    from rig.kernels.compiling import tell_of_compiling
 
     loaded = _load(source, sets, varies, seed, rig)
+    tell_of_compiling(say_compiling)
     return campaign_of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
 
 

@@ -42,6 +42,8 @@ class Commands(TyperGroup):
         except UsageError as error:
             error.message = visible(error.message)
             raise
+        except BrokenPipeError:  # whoever read the output has seen enough: not 1, which is a verdict
+            sys.exit(INTERRUPTED)
         except Exception as error:
             code = _known(error)
             if code is None:
@@ -112,7 +114,7 @@ def with_whole_output(call: Callable[[], object]) -> None:
     except SystemExit as ended:
         code = ended.code
     except OSError as error:  # while help, or what is wrong with an option, was printed
-        code = fail(_sentence(error), INTERRUPTED)
+        code = fail(_sentence(error), BAD_INPUT if isinstance(error.__context__, UsageError) else INTERRUPTED)
     lost = _flush(sys.stdout)
     if lost is not None and lost.errno != errno.EPIPE:
         code = fail(f"the output cannot be written ({lost.strerror})", INTERRUPTED)

@@ -204,7 +204,7 @@ def test_a_defect_brings_its_traceback() -> None:
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Held to a thousand million times real time, without an allowance: the second part is late."""
-    monkeypatch.setattr("daq.chain.clock.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+    monkeypatch.setattr("rig.campaign.one_run.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
     campaign, found = Counted(1), []
     with pytest.raises(Overrun), MAKERS[name]().started(partial(computed, campaign, 1e9), [campaign.waiting]) as parts:
         found.extend(parts)  # what came before the error stays in the list

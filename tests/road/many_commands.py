@@ -5,6 +5,7 @@ where its output goes instead; answers each with a line of JSON, {"code", "out",
 A command that does not end is killed: code -9; an exception that nobody caught: code 99.
 """
 
+import atexit
 import gc
 import json
 import os
@@ -48,6 +49,7 @@ def run(words: list[str], folder: Path, stdout: str = "", stderr: str = "") -> d
     child = os.fork()
     if not child:
         os.setpgid(0, 0)
+        atexit._clear()  # what ends this program is not the command's to call
         for descriptor, place in enumerate((stdout or files[0], stderr or files[1]), start=1):
             os.dup2(os.open(place, os.O_WRONLY), descriptor)
         sys.argv = ["rig", *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in words)]

@@ -1,7 +1,10 @@
 """The command line: exit codes, messages, JSON, and that bad input leaves nothing behind."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -183,3 +186,15 @@ def test_a_rig_that_cannot_keep_pace_stops_with_three(rig_command: Rig, small: P
     done = rig_command("run", small, "--speed", "1e7", "--out", tmp_path / "o", "--set", "acquire.record=4000 cycles")
     assert done.returncode == 3
     assert "late" in done.stderr or "after its time" in done.stderr
+
+
+@pytest.mark.parametrize("words", [("info",), ("info", "--json"), ("report",), ("report", "--json")])
+def test_a_reader_that_has_seen_enough_changes_no_exit_code(words: tuple[str, ...], session: Path) -> None:
+    """As `| head -1` does: the read end of the pipe is closed before anything is printed."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-c", "from rig.cli import main; main()", words[0], str(session), *words[1:]]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False, timeout=300)
+    os.close(write)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""

@@ -17,10 +17,10 @@ from daq.session.writer import Recorder
 from rig.beds.janssen_stack import nominal, stack
 from rig.campaign.before.outlook import preflight
 from rig.campaign.campaign import Campaign
-from rig.campaign.forecast import forecasts
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.campaign.session_plan import session_plan
+from rig.campaign.tasks import foreseen
 from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
@@ -239,7 +239,9 @@ def test_a_stopped_session_goes_on_with_what_was_chosen(tmp_path: Path) -> None:
     folder = tmp_path / "stopped"
     folder.mkdir()
     first = min(made.runs, key=lambda one: one.order)
-    with Recorder.create(folder / "session.h5", session_plan(made, forecasts(made))) as recorder:
+    with Recorder.create(
+        folder / "session.h5", session_plan(made, {c.id: foreseen(made, c) for c in made.conditions})
+    ) as recorder:
         for part in made.parts(first):
             recorder.append(first.name, part.block)
             if part.scalars is not None:

@@ -17,7 +17,7 @@ from rig.campaign.before.decisions import Decision, Expected, decisions
 from rig.campaign.before.dry_run import Look, look_coupled, look_servo
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
-from rig.campaign.forecast import forecast
+from rig.campaign.tasks import foreseen
 from rig.drive.exciter_limits import Demand
 from rig.prediction.document import condition_facts, has_level, prediction_document
 from rig.protocol.spec import Condition
@@ -134,14 +134,14 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
-    foreseen = forecast(campaign, condition)
-    point, refills = foreseen.point, foreseen.refills
+    ahead = foreseen(campaign, condition)
+    point, refills = ahead.point, ahead.refills
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
     U, difference, needed = _plan(campaign, condition, channels, look, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
     entry: dict[str, Any] | None = None
     if has_level(condition):
-        document = prediction_document({condition.id: (point, foreseen.table)}, {condition.id: refills})
+        document = prediction_document({condition.id: (point, ahead.table)}, {condition.id: refills})
         entry = document["conditions"][condition.id]
     expected = Expected(
         condition_facts(condition, rig, point, rate), look.lost, look.mass, look.level, entry, samples, refills

@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,20 @@ PASSES = "passes"
 
 
 def print_json(value: Any) -> None:
-    """JSON on standard output, nothing else."""
-    print(json_text(value))
+    """JSON on standard output, nothing else; as much of it as is read."""
+    with suppress(BrokenPipeError):
+        print(json_text(value))
 
 
 def say(sentence: str, to_stderr: bool = False) -> None:
     """Print one line; what it quotes of a stranger's cannot begin another, or steer the terminal."""
     print(visible(sentence), file=sys.stderr if to_stderr else sys.stdout)
+
+
+def say_compiling() -> None:
+    """Say on standard error what the wait is for; nobody may be there to hear it."""
+    with suppress(OSError, ValueError):
+        print("compiling for this processor, once: half a minute to a minute", file=sys.stderr, flush=True)
 
 
 def print_result(report: Mapping[str, Any], folder: Path) -> None:

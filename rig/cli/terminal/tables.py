@@ -1,5 +1,6 @@
 """Plain tables and numbers for the terminal; readable at 80 columns and without colour, never cut in a pipe."""
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -32,6 +33,13 @@ class Terminal(Console):
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a string as rich's text; all strings pass here before they are measured or printed."""
         return super().render_str(visible(text), **options)
+
+    def on_broken_pipe(self) -> None:
+        """Print no more where the reader has seen enough (`rig info DIR | head`); the command itself goes on."""
+        self.quiet = True
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self.file.fileno())
+        os.close(nowhere)
 
 
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:

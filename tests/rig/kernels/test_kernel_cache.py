@@ -44,3 +44,29 @@ def test_a_changed_callee_is_compiled_anew(tmp_path: Path, how: str, after: int)
     (package / "inner" / "callee.py").write_text(CALLEE.format(value=2))
     assert answer(tmp_path, how) == after
     assert answer(tmp_path, how) == after
+
+
+COMPILE = """
+import sys
+from numba import njit
+from rig.cli.terminal.output import say_compiling
+from rig.kernels.compiling import tell_of_compiling
+tell_of_compiling(say_compiling)
+from kernels.caller import outer
+outer()
+"""
+
+
+def test_compiling_is_announced_once_and_loading_is_not(tmp_path: Path) -> None:
+    package = tmp_path / "kernels"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "caller.py").write_text(CALLER.replace("inner.callee", "callee"))
+    (package / "callee.py").write_text(CALLEE.format(value=1))
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(Path.cwd())))}
+    command = [sys.executable, "-c", COMPILE]
+    said = [
+        subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True, timeout=120)
+        for _ in range(2)
+    ]
+    assert [done.stderr.count("compiling") for done in said] == [1, 0]

@@ -1,0 +1,38 @@
+"""What is predicted of a condition before it is run: W_T about its level, and what refills do to it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from rig.catalog.entries import Rig
+from rig.prediction.document import has_level
+from rig.prediction.model import Prediction, predict_about
+from rig.prediction.refills import refill_ratios
+from rig.protocol.spec import Condition
+from rig.theory.total import AVERAGED_CYCLES
+
+__all__ = ["Forecast", "forecast"]
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """The prediction of one condition, which `condition` names.
+
+    point: at the set level; table: W_T, W_f, W_c (J) at levels about it (m/s^2); refills: energies
+    of poured beds over W_T, empty where the repeats share one bed
+    """
+
+    condition: str
+    point: Prediction
+    table: Mapping[str, Sequence[float]]
+    refills: tuple[float, ...]
+    ends: bool = True  # the one item of its task (rig.campaign.executor)
+
+
+def forecast(condition: Condition, rig: Rig, refill: bool, cycles: int = AVERAGED_CYCLES) -> Forecast:
+    """Predict a condition.
+
+    refill: whether every repeat has a bed of its own; cycles: averaged of rows without a period
+    """
+    point, table = predict_about(condition, rig, cycles)
+    ratios = refill_ratios(condition, rig, point.W_T) if refill and has_level(condition) else ()
+    return Forecast(condition.id, point, table, ratios)
