@@ -1,7 +1,7 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from typing import Any
@@ -20,7 +20,8 @@ from analysis.results.coil_current import coil_of
 from analysis.results.deliberate_errors import misread
 from analysis.results.run import Coil, RunEnergy
 from analysis.session.documents import checked
-from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts, Truth
+from analysis.session.ledger_columns import EXACT
+from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts, Signal, Truth
 from analysis.session.setting import LOOP_BACK, Setting
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.signals.quality import Scrutiny
@@ -42,14 +43,21 @@ PIECE = 4096  # cycles of a ledger that are looked at together
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
 
 
-def run_energy(record: Record, run: RunFacts | str, tolerate_gaps: bool = False) -> RunEnergy:
+SignalOf = Callable[[str, str, int, int], Signal]
+"""From a run, a channel, the first sample and the one after the last to its samples."""
+
+
+def run_energy(
+    record: Record, run: RunFacts | str, tolerate_gaps: bool = False, signal: SignalOf | None = None
+) -> RunEnergy:
     """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
 
     run: a run of the record, or its name. May be called from any thread, as soon as the run is complete, while others
     are still written. AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
     tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole cycle.
+    signal: what gives the samples, as `record.signal` does where there is none.
     """
-    return Reader(record, tolerate_gaps).energy(record.run(run) if isinstance(run, str) else run)
+    return Reader(record, tolerate_gaps, signal).energy(record.run(run) if isinstance(run, str) else run)
 
 
 def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
@@ -64,8 +72,9 @@ def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = Fals
 class Reader:
     """Reads the runs of one record: what the record and its conditions say is looked up and checked once."""
 
-    def __init__(self, record: Record, tolerate_gaps: bool = False) -> None:
+    def __init__(self, record: Record, tolerate_gaps: bool = False, signal: SignalOf | None = None) -> None:
         self._record = record
+        self._signal = signal or record.signal
         self._tolerate_gaps = tolerate_gaps
         self._settings: dict[str, Setting] = {}
 
@@ -109,7 +118,7 @@ class Reader:
         total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
         for part in (part for stretch in stretches for part in stretch.segments()):
             first, last = part.sample_range()
-            signals = [record.signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
+            signals = [self._signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
             found = signals[0].flags | signals[1].flags
             if found & BROKEN:
                 names = ", ".join(flag_names(found & BROKEN))
@@ -307,7 +316,7 @@ def _use(scalars: Mapping[str, float]) -> dict[str, float]:
 def _ledger(
     truth: Truth | None, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
 ) -> dict[str, float] | None:
-    """True energies over the drive cycles that are read; None for a record without truth."""
+    """True energies over the drive cycles that are read; None for a record without truth, or with gaps in it."""
     if truth is None:
         return None
     first, period = round(setting.settle_cycles), window.grid.period
@@ -326,4 +335,6 @@ def _ledger(
                 if name in columns:
                     own = float(np.abs(rows[:, columns.index(name)]).max())
                     closure[name] = max(own, closure.get(name, 0.0))
-    return dict(zip(columns, (total / count).tolist(), strict=True)) | closure
+    found = dict(zip(columns, (total / count).tolist(), strict=True))
+    known = {name: value for name, value in found.items() if not math.isnan(value)}
+    return known | closure if known.keys() >= found.keys() - {EXACT} else None

@@ -303,7 +303,7 @@ class Record:
         last = cycles if stop is None else min(stop, cycles)
         path, shape = f"{run}/truth/ledger", (cycles, len(self.ledger_columns))
         rows = self._rows(path, "<f8", shape, min(start, last), last)
-        if not (np.abs(rows) <= LARGEST).all():
+        if (np.abs(rows) > LARGEST).any():  # NaN says that a number is not known
             raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds absurd numbers")
         return rows
 

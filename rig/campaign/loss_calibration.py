@@ -12,6 +12,8 @@ from analysis.session.prediction import Curve
 from analysis.uncertainty.budget import angle_uncertainty
 from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.prescribed_run import stand_of
+from rig.campaign.one_run.run_inputs import motion_of
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import rig_with_losses
 from rig.drive.losses import drag_of_box, quadratic_energy, sound_of_box
@@ -94,8 +96,8 @@ def _accounts(campaign: Campaign, workers: int, progress: Callable[[int, int], N
 
 
 def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Account:
-    motion = campaign.motion(run)
-    account = account_of(campaign.stand(run), run.condition.acquire)
+    motion = motion_of(campaign, run)
+    account = account_of(stand_of(campaign, run), run.condition.acquire)
     return Account(
         there=taken_by_bed(account) + account["W_gas"] + account["W_mount"],
         predicted=Curve.of(table["acceleration"], table["W_T"])(level(motion)),

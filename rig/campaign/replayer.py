@@ -14,10 +14,10 @@ from daq.session.copy import plan_of
 from daq.session.plan import RunInfo
 from daq.session.record import Record, Truth, open_session
 from daq.session.writer import Recorder
+from rig.campaign.incoming_signals import IncomingSignals
 from rig.campaign.one_run.live import Look, Watcher
 from rig.campaign.one_run.part import Part
 from rig.campaign.one_run.recorder import Analysis, Watch, record_parts
-from rig.campaign.one_run.replayed_record import Fed
 from rig.campaign.provenance import replay_provenance
 
 NO_LEDGER = np.empty((0, 0))
@@ -70,10 +70,10 @@ def analysed(
                     ended.append(part)
                 yield part.block
 
-        fed = Fed(record, info.name, blocks())
+        incoming = IncomingSignals(record, info.name, blocks())
         if info.complete:
-            analysis.read(info.name, fed)
-        fed.drain()
+            analysis.read(info.name, incoming.signal)
+        incoming.drain()
         for part in ended:
             analysis.tell(part)
     return analysis.energies

@@ -5,7 +5,8 @@ not grow with the length of a record and nothing depends on the number of worker
 """
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from itertools import islice, zip_longest
 from pathlib import Path
@@ -14,20 +15,48 @@ from typing import TYPE_CHECKING, Any
 from daq.whole_files import mark_unfinished
 from rig.campaign.campaign import Campaign
 from rig.campaign.executor import Executor
+from rig.campaign.one_run.assemble import assemble
+from rig.campaign.one_run.part import Part, paced
 from rig.campaign.one_run.recorder import Watch, record_parts
 from rig.campaign.resolve import campaign_of
-from rig.campaign.tasks import ToPredict, computed
 from rig.campaign.workers import Processes
 from rig.catalog.rig_file import load_rig
 from rig.errors import InputError, Mistake
+from rig.prediction.forecast import Forecast, forecast
 from rig.protocol.load import dump_protocol
-from rig.protocol.spec import Protocol
+from rig.protocol.schedule import Run
+from rig.protocol.spec import Condition, Protocol
 
 if TYPE_CHECKING:
     from rig.campaign.one_run.live import Look
 
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
 """Modules that are needed when the workers have nothing left to do, and so are loaded before."""
+
+
+@dataclass(frozen=True)
+class ToPredict:
+    """The task of predicting a condition."""
+
+    condition: Condition
+
+    @property
+    def name(self) -> str:
+        """The condition's id."""
+        return self.condition.id
+
+
+def computed(campaign: Campaign, speed: float | None, task: ToPredict | Run) -> Iterator[Forecast | Part]:
+    """Compute a task: the forecast of a condition, or the parts of a run, held to `speed` (rig seconds per wall second,
+    None: as fast as possible).
+
+    Raises InputError, MemoryError, and Overrun after the part that came too late.
+    """
+    if isinstance(task, ToPredict):
+        condition, refill = task.condition, campaign.protocol.repeats.refill
+        yield forecast(condition, campaign.rig, refill, campaign.averaged.get(condition.id))
+    else:
+        yield from paced(assemble(campaign, task), campaign.lengths[task.condition.id].rate, speed)
 
 
 def run(

@@ -8,10 +8,8 @@ from daq.session.plan import RunPlan, SessionPlan
 from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
-from rig.campaign.one_run.coupled_dwell import LEVEL_SCALARS
 from rig.campaign.one_run.deliberate_errors import told
-from rig.campaign.one_run.predict_on_record import NAMES
-from rig.campaign.one_run.record_start import NAMES as TRIGGER
+from rig.campaign.one_run.scalars import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
 from rig.campaign.open_settings import assumed_settings
 from rig.campaign.provenance import now, provenance
 from rig.catalog.entries import Exciter
@@ -68,8 +66,8 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
         ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
         scalars=(
-            *SCALARS, *(LEVEL_SCALARS if campaign.coupled else ()), *(TRIGGER if campaign.triggered else ()),
-            *(NAMES if campaign.recorded else ()),
+            *SCALARS, *(LEVEL_SCALARS if campaign.coupled else ()), *(TRIGGER_SCALARS if campaign.triggered else ()),
+            *(RECORDED_SCALARS if campaign.recorded else ()),
         ),
     )  # fmt: skip
 

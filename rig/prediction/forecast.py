@@ -28,11 +28,11 @@ class Forecast:
     ends: bool = True  # the one item of its task (rig.campaign.executor)
 
 
-def forecast(condition: Condition, rig: Rig, refill: bool, cycles: int = AVERAGED_CYCLES) -> Forecast:
+def forecast(condition: Condition, rig: Rig, refill: bool, cycles: int | None = None) -> Forecast:
     """Predict a condition.
 
-    refill: whether every repeat has a bed of its own; cycles: averaged of rows without a period
+    refill: whether every repeat has a bed of its own; cycles: averaged of rows without a period, where that was chosen
     """
-    point, table = predict_about(condition, rig, cycles)
+    point, table = predict_about(condition, rig, cycles or AVERAGED_CYCLES)
     ratios = refill_ratios(condition, rig, point.W_T) if refill and has_level(condition) else ()
     return Forecast(condition.id, point, table, ratios)

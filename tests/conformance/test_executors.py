@@ -12,8 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
 from itertools import pairwise
 from multiprocessing import active_children
 from types import SimpleNamespace
@@ -25,8 +24,7 @@ import pytest
 from daq.chain.block import Block, Flag
 from daq.chain.clock import Overrun, Pacer
 from rig.campaign.executor import Compute, Executor, Task
-from rig.campaign.one_run.part import Part
-from rig.campaign.tasks import computed
+from rig.campaign.one_run.part import Part, paced
 from rig.campaign.workers import Processes
 from rig.errors import InputError, Mistake, WorkerFailed, WorkerLost
 
@@ -57,7 +55,6 @@ class Counted:
     runs: int
     samples: int = SAMPLES
     then: Callable[[int, int], None] = lambda _run, _part: None
-    lengths: dict[str, Any] = field(default_factory=lambda: {"c": SimpleNamespace(rate=1e4)})
 
     @property
     def waiting(self) -> list[Any]:
@@ -69,7 +66,7 @@ class Counted:
     @property
     def computed(self) -> Compute:
         """As fast as possible."""
-        return partial(computed, self, None)
+        return self.parts
 
     def parts(self, run: Any) -> Iterator[Part]:
         rng = np.random.default_rng(run.number)
@@ -206,7 +203,10 @@ def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytes
     """Held to a thousand million times real time, without an allowance: the second part is late."""
     monkeypatch.setattr("rig.campaign.one_run.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
     campaign, found = Counted(1), []
-    with pytest.raises(Overrun), MAKERS[name]().started(partial(computed, campaign, 1e9), [campaign.waiting]) as parts:
+    with (
+        pytest.raises(Overrun),
+        MAKERS[name]().started(lambda run: paced(campaign.parts(run), 1e4, 1e9), [campaign.waiting]) as parts,
+    ):
         found.extend(parts)  # what came before the error stays in the list
     assert [int(part.block.flags[0]) for part in found] == [0, int(Flag.OVERRUN)]
 

@@ -9,6 +9,7 @@ import numpy as np
 from daq.chain.channel import ChannelInfo
 from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.assemble import assemble
 from rig.campaign.resolve import campaign_of
 from rig.campaign.session_plan import exciter_facts
 from rig.catalog.entries import Rig
@@ -112,7 +113,7 @@ class MemoryRecord:
 
     def _recorded(self, campaign: Campaign, run: Run) -> np.ndarray:
         """Codes and blocks of a run are kept; gives its ledger."""
-        parts = list(campaign.parts(run))
+        parts = list(assemble(campaign, run))
         self._codes[run.name] = np.concatenate([part.block.codes for part in parts], axis=1)
         blocks = [(p.block.start, p.block.codes.shape[1], p.block.flags, p.block.clipped) for p in parts]
         many = len(campaign.instruments.channels)

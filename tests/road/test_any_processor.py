@@ -29,6 +29,7 @@ for name in ("sin", "cos", "tan", "exp", "exp2", "expm1", "log", "log2", "log10"
 PROGRAM = """
 import hashlib, sys
 from rig.campaign.resolve import campaign_of
+from rig.campaign.one_run.assemble import assemble
 from rig.campaign.campaign import Campaign
 from rig.catalog.rig_file import load_rig
 from rig.prediction.document import prediction_document, predictions
@@ -38,7 +39,7 @@ protocol = load_protocol("nulls", sets=sys.argv[1:])
 campaign = campaign_of(protocol, load_rig(protocol.rig))
 digest = hashlib.sha256()
 for run in campaign.runs:
-    for part in campaign.parts(run):
+    for part in assemble(campaign, run):
         digest.update(part.block.codes.tobytes())
         digest.update(part.ledger.tobytes())
 print(digest.hexdigest())

@@ -11,6 +11,7 @@ from analysis import read_session
 from daq.session.record import open_session
 from rig.beds.janssen_stack import nominal
 from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.assemble import assemble
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig
@@ -69,7 +70,7 @@ def test_without_the_channel_nothing_is_said(tmp_path: Path) -> None:
 
 def test_the_first_two_channels_do_not_know_of_the_others() -> None:
     two, four = (campaign(*sets) for sets in ((), FOUR))
-    blocks = [next(iter(found.parts(found.runs[3]))).block for found in (two, four)]
+    blocks = [next(iter(assemble(found, found.runs[3]))).block for found in (two, four)]
     assert (blocks[0].codes == blocks[1].codes[:2]).all()
 
 

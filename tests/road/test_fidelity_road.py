@@ -17,13 +17,14 @@ from daq.session.writer import Recorder
 from rig.beds.janssen_stack import nominal, stack
 from rig.campaign.before.outlook import preflight
 from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.assemble import assemble
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.campaign.session_plan import session_plan
-from rig.campaign.tasks import foreseen
 from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
+from rig.prediction.forecast import forecast
 from rig.prediction.model import closed
 from rig.protocol.load import dump_protocol, load_protocol
 from rig.stand.force_peaks import use_of
@@ -239,10 +240,10 @@ def test_a_stopped_session_goes_on_with_what_was_chosen(tmp_path: Path) -> None:
     folder = tmp_path / "stopped"
     folder.mkdir()
     first = min(made.runs, key=lambda one: one.order)
-    with Recorder.create(
-        folder / "session.h5", session_plan(made, {c.id: foreseen(made, c) for c in made.conditions})
-    ) as recorder:
-        for part in made.parts(first):
+    refill = made.protocol.repeats.refill
+    ahead = {c.id: forecast(c, made.rig, refill, made.averaged.get(c.id)) for c in made.conditions}
+    with Recorder.create(folder / "session.h5", session_plan(made, ahead)) as recorder:
+        for part in assemble(made, first):
             recorder.append(first.name, part.block)
             if part.scalars is not None:
                 recorder.finish(first.name, part.scalars)

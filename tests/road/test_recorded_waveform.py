@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 from small_protocol import SMALL
 
+from analysis import run_energy
+from daq import open_session
 from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
@@ -52,3 +56,20 @@ def test_it_is_not_computed_where_nobody_asked(tmp_path: Path) -> None:
     told = report(tmp_path, "repeats=1", "scene.bed=layers", "drive.acceleration=2", ablate=False)
     assert all(c["W_T_recorded"] is None for c in told["conditions"])
     assert "Recorded waveform" not in (tmp_path / "report.md").read_text()
+
+
+def test_with_the_exciter_in_the_loop_the_ablation_is_not_known(tmp_path: Path) -> None:
+    """The exact waveform is one of prescribed motion alone: its column holds nan, the offset takes W_T_recorded."""
+    sets = ("drive.mode=coupled", "repeats=1", "scene.bed=layers", "acquire.record=6 cycles")
+    told = [report(tmp_path / str(ablate), *sets, ablate=ablate) for ablate in (False, True)]
+    assert [c["offset_terms"] for c in told[1]["conditions"]] == [c["offset_terms"] for c in told[0]["conditions"]]
+    assert all(c["offset_terms"] is not None for c in told[1]["conditions"])
+
+
+def test_a_ledger_with_gaps_is_none(tmp_path: Path) -> None:
+    """In any other column nan leaves nothing of the account."""
+    report(tmp_path, "repeats=1", "scene.bed=locked", ablate=False)
+    with h5py.File(tmp_path / "session.h5", "r+") as file:
+        file["run_0001/truth/ledger"][20, 0] = np.nan
+    with open_session(tmp_path / "session.h5") as record:
+        assert run_energy(record, "run_0001").ledger is None

@@ -113,7 +113,7 @@ def test_every_block_waits_for_its_time(session: Path, monkeypatch: pytest.Monke
         def wait(self, sample: int) -> None:
             waited.append((*self.pace, sample))
 
-    monkeypatch.setattr("daq.chain.clock.Pacer", Waiting)
+    monkeypatch.setattr("rig.campaign.replayer.Pacer", Waiting)
     replay(session / "session.h5", speed=3.0)
     with open_session(session / "session.h5") as record:
         runs = sorted(record.runs, key=lambda run: run.order)

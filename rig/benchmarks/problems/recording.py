@@ -19,7 +19,7 @@ from daq.session.writer import Recorder
 from rig.benchmarks.problems.fill_protocol import fill_campaign
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread
 from rig.campaign.session_plan import session_plan
-from rig.campaign.tasks import foreseen
+from rig.prediction.forecast import forecast
 
 Row = dict[str, Any]
 Codes = np.typing.NDArray[np.int32]
@@ -36,7 +36,7 @@ OURS, PLAIN, CODES = "recorder (ours)", "plain h5py: the same file", "plain h5py
 def recorder(rounds: int) -> list[Row]:
     """Forty short runs, and two long ones."""
     campaign = fill_campaign("repeats=1")
-    plan = session_plan(campaign, {c.id: foreseen(campaign, c) for c in campaign.conditions})
+    plan = session_plan(campaign, {c.id: forecast(c, campaign.rig, True) for c in campaign.conditions})
     rows = compared(f"recorder, {len(plan.runs)} short runs", plan, BLOCKS, rounds)
     return [*rows, *compared("recorder, 2 long runs", of_runs(plan, 2), (CHUNK,) * LONG, rounds)]
 

@@ -9,6 +9,7 @@ import numpy as np
 from rig.benchmarks.problems.beds import PROTOCOL, bed
 from rig.benchmarks.results.fits import fitted
 from rig.benchmarks.timing import interleaved
+from rig.campaign.one_run.assemble import assemble
 from rig.campaign.resolve import campaign_of
 from rig.catalog.rig_file import load_rig
 from rig.prediction.model import predict
@@ -57,7 +58,7 @@ def _records(setting: str) -> None:
     sets = ["acquire.settle=2 cycles", "drive.acceleration=2", "repeats=1", setting]
     loaded = load_protocol(PROTOCOL, sets=sets)
     campaign = campaign_of(loaded, load_rig("default"), "")
-    for _ in campaign.parts(campaign.runs[0]):
+    for _ in assemble(campaign, campaign.runs[0]):
         pass
 
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from daq.chain.fir import OVERSAMPLING
 from rig.beds.janssen_stack import nominal
 from rig.campaign.campaign import Campaign
-from rig.campaign.one_run.coupled_dwell import STOPS, Dwelling
+from rig.campaign.one_run.coupled_dwell import Dwelling
+from rig.campaign.one_run.run_inputs import filling_of
+from rig.campaign.one_run.scalars import STOPS
 from rig.drive.dwell import phasors
 from rig.drive.exciter_limits import Demand
 from rig.drive.losses import LOST
@@ -79,7 +81,7 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     rig, frequency = campaign.rig, condition.drive.frequency
     started = time.perf_counter()
     first = next(run for run in campaign.runs if run.condition.id == condition.id)
-    dwelling = Dwelling(condition, rig, campaign.filling(first, condition.scene), rate)
+    dwelling = Dwelling(condition, rig, filling_of(campaign, first), rate)
     cycles = 0
     while dwelling.dwell.steady_from is None or cycles < dwelling.dwell.steady_from:
         cycles += 1

@@ -17,9 +17,9 @@ from rig.campaign.before.decisions import Decision, Expected, decisions
 from rig.campaign.before.dry_run import Look, look_coupled, look_servo
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
-from rig.campaign.tasks import foreseen
 from rig.drive.exciter_limits import Demand
 from rig.prediction.document import condition_facts, has_level, prediction_document
+from rig.prediction.forecast import forecast
 from rig.protocol.spec import Condition
 
 Array = NDArray[np.float64]
@@ -134,7 +134,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
-    ahead = foreseen(campaign, condition)
+    ahead = forecast(condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id))
     point, refills = ahead.point, ahead.refills
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
     U, difference, needed = _plan(campaign, condition, channels, look, float(reactive), scatter)

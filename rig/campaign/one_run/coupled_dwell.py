@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from daq.chain.source import PhysicalSource
 from rig.beds.janssen_stack import Filling
+from rig.campaign.one_run.scalars import STOPS
 from rig.catalog.entries import Exciter, Rig
 from rig.drive.amplifier_command import Command
 from rig.drive.dwell import Dwell, Plan
@@ -21,13 +22,6 @@ from rig.stand.shaker import CoupledStand, Limits
 Array = NDArray[np.float64]
 
 SIGNALS = (*CHANNELS, *EXCITER_CHANNELS)
-STOPS = ("force", "current", "voltage", "stroke", "jump", "time")
-"""What can keep a level from being reached: a limit of the exciter, a level that no command keeps, patience."""
-
-LEVEL_SCALARS = ("level_cycles", "level_jumps", "clipped", *(f"stopped_by_{name}" for name in STOPS))
-"""Scalars of a run in coupled drive: cycles that the level control took, jumps of the level on the way, share of the
-held cycles in which the amplifier was at a limit, and 1 for what stopped the level, 0 otherwise."""
-
 FIRST_GUESS = 0.3
 """First command over the one that box and bonded bed would need: a bed that slides needs less, and a level that is
 overshot leaves it elsewhere."""

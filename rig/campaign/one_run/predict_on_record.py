@@ -8,6 +8,7 @@ from analysis.signals.cycles import Window, on_grid, whole_cycles
 from daq.chain.block import Block
 from daq.chain.channel import ChannelInfo
 from rig.beds.janssen_stack import nominal, stack
+from rig.campaign.one_run.scalars import RECORDED_SCALARS
 from rig.catalog.entries import Rig
 from rig.kernels.rows.recorded_motion import sampled_energy
 from rig.protocol.schedule import Lengths
@@ -22,10 +23,6 @@ when the motion starts at once, as a servo's does, or gradually, as level contro
 
 STILL = ("empty", "locked", "dashpot", "loop_back")
 """Beds that dissipate nothing by the model."""
-
-NAMES = ("W_T_recorded", "W_f_recorded", "u_W_T_recorded")
-"""Scalars of a run, J per cycle: with the start of the run's own drive (`RAMP`), and what the bed's history leaves open
-as a standard uncertainty, the difference to the other start being the width of a rectangular distribution."""
 
 
 class Listener:
@@ -51,10 +48,10 @@ class Listener:
             self._codes.append(block.codes[self._row, first:last].copy())
 
     def scalars(self) -> dict[str, float]:
-        """`NAMES`; 0 where the bed does not slide by design, nan where there is no such prediction for it."""
+        """Return `RECORDED_SCALARS`; 0 where no bed slides by design, nan where there is no such prediction."""
         bed_name = self._condition.scene.bed
         if bed_name != "layers":
-            return dict.fromkeys(NAMES, 0.0 if bed_name in STILL else float("nan"))
+            return dict.fromkeys(RECORDED_SCALARS, 0.0 if bed_name in STILL else float("nan"))
         window, channel = self._window, self._channel
         volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
         acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
@@ -71,4 +68,4 @@ class Listener:
         ])  # fmt: skip
         total = found.sum(axis=1)
         numbers = (total[0], found[0, 0], abs(total[1] - total[0]) / np.sqrt(12.0))
-        return dict(zip(NAMES, map(float, numbers), strict=True))
+        return dict(zip(RECORDED_SCALARS, map(float, numbers), strict=True))

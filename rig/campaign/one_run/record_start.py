@@ -10,11 +10,9 @@ from daq.chain.acquisition import Acquisition
 from daq.chain.block import Block
 from daq.chain.trigger import NoTrigger, Triggered
 from daq.faults.in_blocks import FULL
+from rig.campaign.one_run.scalars import TRIGGER_SCALARS
 from rig.errors import InputError, Mistake
 from rig.protocol.schedule import Lengths, Run
-
-NAMES = ("trigger_sample",)
-"""Scalar of a run: samples from a start of the drive's cycle to the record's first sample."""
 
 
 class Beginning:
@@ -56,9 +54,9 @@ class Beginning:
 
     @property
     def sample(self) -> int:
-        """See `NAMES`; 0 without a trigger."""
+        """See `TRIGGER_SCALARS`; 0 without a trigger."""
         return 0 if self._trigger is None or self._trigger.first is None else self._trigger.first
 
     def scalars(self) -> dict[str, float]:
         """What the analysis needs to find the drive's cycles."""
-        return {NAMES[0]: float(self.sample)}
+        return {TRIGGER_SCALARS[0]: float(self.sample)}

@@ -13,11 +13,11 @@ from daq.chain.clock import NEVER_LATE, Punctuality
 from rig.campaign.one_run.part import Part
 
 if TYPE_CHECKING:
+    from analysis.pipeline import SignalOf
     from analysis.results.run import RunEnergy
     from daq.session.record import Record
     from daq.session.writer import Recorder
     from rig.campaign.one_run.live import Look
-    from rig.campaign.one_run.replayed_record import Fed
 
 
 @dataclass(frozen=True)
@@ -50,16 +50,16 @@ class Analysis:
 
     def add(self, part: Part) -> None:
         """A run is complete: its last part."""
-        self.read(part.run, self._record)
+        self.read(part.run)
         self.tell(part)
 
-    def read(self, name: str, source: "Record | Fed") -> None:
-        """Find a run's energies from what holds its samples, or has them come in."""
+    def read(self, name: str, signal: "SignalOf | None" = None) -> None:
+        """Find a run's energies; signal: what brings its samples, where the record need not be read."""
         from analysis.pipeline import run_energy
         from analysis.session.record import AnalysisError
 
         with suppress(AnalysisError):  # read_session lists it with the reason
-            self.energies[name] = run_energy(source, self._record.run(name))
+            self.energies[name] = run_energy(self._record, self._record.run(name), signal=signal)
 
     def tell(self, part: Part) -> None:
         """Tell of a run that has been read: its last part."""

@@ -1,22 +1,20 @@
-"""A record whose samples come from its replay: the analysis takes each stretch as the blocks of it come in."""
+"""Samples of a run while its replay brings them: the analysis takes each stretch as its blocks come in."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from daq.chain.block import Block
-from daq.chain.channel import ChannelInfo
-from daq.session.plan import RunInfo, Signal
-from daq.session.record import Record, Truth
+from daq.session.plan import Signal
+from daq.session.record import Record
 
 
-class Fed:
-    """What `analysis.run_energy` reads of one run, its samples taken from `blocks`, which it pulls as it needs them.
+class IncomingSignals:
+    """The samples of one run, for `analysis.run_energy`: taken from `blocks`, which are pulled as they are needed.
 
-    Stretches are asked for in order, so that only the blocks of the last one are kept; what lies before them, or has a
-    second look taken at it, is read from the record.
+    Stretches are asked for in order, so that only the blocks of the last one are kept. Earlier samples, and those asked
+    for again, are read from the record.
     """
 
     def __init__(self, record: Record, run: str, blocks: Iterator[Block]) -> None:
@@ -59,44 +57,3 @@ class Fed:
             if block.start < stop and block.start + block.count > start
         ]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-    @property
-    def runs(self) -> tuple[RunInfo, ...]:
-        """As the record's; so are all that follow."""
-        return self._record.runs
-
-    @property
-    def conditions(self) -> Mapping[str, Mapping[str, Any]]:
-        """Conditions by id."""
-        return self._record.conditions
-
-    @property
-    def channels(self) -> Mapping[str, ChannelInfo]:
-        """The channel table."""
-        return self._record.channels
-
-    @property
-    def synthetic(self) -> bool:
-        """Whether it was simulated."""
-        return self._record.synthetic
-
-    @property
-    def truth(self) -> Truth | None:
-        """What only a simulation can know."""
-        return self._record.truth
-
-    def run(self, name: str) -> RunInfo:
-        """One run."""
-        return self._record.run(name)
-
-    def blocks(self, run: str) -> NDArray[np.void]:
-        """The block table of a run."""
-        return self._record.blocks(run)
-
-    def document(self, name: str) -> Any:
-        """A document of the session."""
-        return self._record.document(name)
-
-    def scalars(self, run: str) -> dict[str, float]:
-        """The floats that the run ended with."""
-        return self._record.scalars(run)
