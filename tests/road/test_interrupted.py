@@ -9,7 +9,11 @@ from pathlib import Path
 import pytest
 from small_protocol import Rig
 
-COMMAND = (sys.executable, "-c", "from rig.cli import main; main()")
+COMMAND = (
+    sys.executable, "-c",
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from rig.cli import main; main()",
+)  # fmt: skip
+"""As from a terminal: a shell's background job, as the tests may be one, inherits an ignored SIGINT."""
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
