@@ -43,7 +43,7 @@ class Energy:
 
     @property
     def M_eff(self) -> float:
-        """Apparent mass Re(F A*) / |A|^2 at the fundamental, kg; everything beyond the gauge plane."""
+        """Apparent mass at the fundamental, kg: real part of F/A; everything beyond the gauge plane."""
         force, acceleration = complex(self.force[0]), complex(self.acceleration[0])
         return (force * acceleration.conjugate()).real / abs(acceleration) ** 2 if acceleration else math.nan
 

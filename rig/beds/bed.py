@@ -13,16 +13,21 @@ Array = NDArray[np.float64]
 class Reaction:
     """The bed over some whole cycles of the drive.
 
-    momentum : what the box has given the bed up to each sampling edge, N s, shape (edges,). The force on the box,
-        averaged over an interval between edges, is minus its increment over the interval's length: an impact
-        counts whole in the interval in which it falls, and nothing is sampled at points. The impulse that carries
-        the bed's weight along the axis is left out: it grows for ever, and the stand knows it.
-    work : work of the box on the bed in each cycle, J, shape (cycles,), found at the contacts
-    friction, collision, viscous : losses in the bed in each cycle, J, shape (cycles,)
-    kinetic : energy of the bed at the end of each cycle, J, shape (cycles,): kinetic, and potential where it has
-        weight along the axis
-    repeats : period in cycles with which these and all following cycles come again to the last bit, on a grid that
-        repeats with the cycle; 0 for none, or not known
+    momentum: impulse that the box has given the bed up to each sampling edge, N s, shape (edges,).
+    The force on the box, averaged between two edges, is minus the increment over the interval's
+    length: an impact counts whole in the interval in which it falls, and nothing is sampled at
+    points. The impulse that carries the bed's weight along the axis is left out: it grows for ever,
+    and the stand knows it.
+
+    work: of the box on the bed in each cycle, J, shape (cycles,), found at the contacts
+
+    friction, collision, viscous: losses in the bed in each cycle, J, shape (cycles,)
+
+    kinetic: energy of the bed at the end of each cycle, J, shape (cycles,): kinetic, and potential
+    where it has weight along the axis
+
+    repeats: period in cycles with which these and all following cycles come again to the last bit,
+    on a grid that repeats with the cycle; 0 for none, or not known
     """
 
     momentum: Array
