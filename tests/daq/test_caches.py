@@ -107,7 +107,7 @@ def test_where_the_home_can_be_written_nothing_is_set(read_only: Path, tmp_path:
 def test_another_version_has_a_folder_of_its_own(read_only: Path, tmp_path: Path) -> None:
     program = "import daq, os; print(os.environ['NUMBA_CACHE_DIR'])"
     first = outcome(start(read_only, program, tmp_path, HOME=NOWHERE))
-    os.utime(read_only / "rig" / "kernels" / "slip.py", ns=(1, 1))
+    os.utime(read_only / "rig" / "kernels" / "roots.py", ns=(1, 1))
     assert outcome(start(read_only, program, tmp_path, HOME=NOWHERE)) != first
 
 

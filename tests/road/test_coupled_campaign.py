@@ -9,9 +9,9 @@ import pytest
 from analysis import read_session
 from daq.session.record import open_session
 from rig.beds.janssen_stack import nominal
-from rig.campaign.before.outlook import outlook
 from rig.campaign.campaign import Campaign
 from rig.campaign.one_run.coupled_dwell import Dwelling
+from rig.campaign.preflight.outlook import outlook
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig

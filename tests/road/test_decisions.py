@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rig.campaign.before.decisions import Decision
-from rig.campaign.before.outlook import decided, preflight
+from rig.campaign.preflight.decisions import Decision
+from rig.campaign.preflight.outlook import decided, preflight
 from rig.campaign.resolve import campaign_of
 from rig.catalog.rig_file import load_rig
 from rig.cli.app import app

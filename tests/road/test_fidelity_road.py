@@ -15,9 +15,9 @@ from analysis.report.tables.fidelity import fidelity_sentences
 from daq.session.record import open_session
 from daq.session.writer import Recorder
 from rig.beds.janssen_stack import nominal, stack
-from rig.campaign.before.outlook import preflight
 from rig.campaign.campaign import Campaign
 from rig.campaign.one_run.assemble import assemble
+from rig.campaign.preflight.outlook import preflight
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.campaign.session_plan import session_plan

@@ -11,7 +11,7 @@ from analysis.energy.sweep import fundamentals, shift
 from analysis.report import wording
 from analysis.report.figures.sweep import sweep_plot
 from rig.beds.janssen_stack import nominal
-from rig.campaign.before.dry_run import look_coupled
+from rig.campaign.preflight.dry_run import look_coupled
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig

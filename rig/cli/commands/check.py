@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict, replace
 
-from rig.campaign.before.decisions import MOST, Decision
-from rig.campaign.before.outlook import Outlook, decided, disk, preflight
 from rig.campaign.campaign import Campaign
+from rig.campaign.preflight.decisions import MOST, Decision
+from rig.campaign.preflight.outlook import Outlook, decided, disk, preflight
 from rig.cli.terminal.output import cores, print_json, say
 from rig.cli.terminal.tables import millijoules, number, table, terminal
 

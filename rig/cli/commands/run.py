@@ -35,7 +35,7 @@ def run_protocol(
 
 def _refuse_beyond(campaign: Campaign, workers: int) -> None:
     """Raise InputError where a condition exceeds a limit; only --strict needs the look ahead."""
-    from rig.campaign.before.outlook import preflight
+    from rig.campaign.preflight.outlook import preflight
 
     mistakes = [
         Mistake(outlook.id, "drive.acceleration", flag, "within the exciter's and the front end's limits (--strict)")

@@ -13,10 +13,10 @@ from analysis.uncertainty.budget import angle_uncertainty, certificate_lines, co
 from daq.chain.channel import ChannelInfo
 from daq.chain.fir import OVERSAMPLING
 from daq.chain.frontend import FILTER_DELAY
-from rig.campaign.before.decisions import Decision, Expected, decisions
-from rig.campaign.before.dry_run import Look, look_coupled, look_servo
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
+from rig.campaign.preflight.decisions import Decision, Expected, decisions
+from rig.campaign.preflight.dry_run import Look, look_coupled, look_servo
 from rig.drive.exciter_limits import Demand
 from rig.prediction.document import condition_facts, has_level, prediction_document
 from rig.prediction.forecast import forecast
