@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from rig.kernels import drop_stale
+
 CALLEE = "from numba import njit\n\n@njit(cache=True)\ndef inner():\n    return {value}\n"
 CALLER = (
-    "from numba import njit\nfrom kernels.inner.callee import inner\n\n"
-    "@njit(cache=True)\ndef outer():\n    return inner()\n"
+    "from numba import njit\nfrom kernels.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
 )
 ASK = """
 import sys
@@ -18,7 +19,7 @@ from pathlib import Path
 from rig.kernels import drop_stale
 if sys.argv[1] == "drop":
     drop_stale(Path("kernels"))
-from kernels.outer.caller import outer
+from kernels.caller import outer
 print(outer())
 """
 
@@ -31,17 +32,29 @@ def answer(folder: Path, how: str) -> int:
     return int(done.stdout)
 
 
+def test_a_change_in_one_folder_reaches_what_is_compiled_in_another(tmp_path: Path) -> None:
+    """Only indexes older than the youngest module go, wherever in the package both lie."""
+    callee, older, newer = (
+        tmp_path / "kernels" / name for name in ("rows/callee.py", "grains/__pycache__/a.nbi", "__pycache__/b.nbi")
+    )
+    for path, seconds in ((older, 100), (callee, 200), (newer, 300)):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+        os.utime(path, (seconds, seconds))
+    drop_stale(tmp_path / "kernels")
+    assert (older.exists(), newer.exists()) == (False, True)
+
+
 @pytest.mark.parametrize(("how", "after"), [("keep", 1), ("drop", 2)])
 def test_a_changed_callee_is_compiled_anew(tmp_path: Path, how: str, after: int) -> None:
     """`keep` shows what numba does by itself: it answers with the code of before."""
     package = tmp_path / "kernels"
-    for folder in (package, package / "outer", package / "inner"):
-        folder.mkdir()
-        (folder / "__init__.py").touch()
-    (package / "outer" / "caller.py").write_text(CALLER)
-    (package / "inner" / "callee.py").write_text(CALLEE.format(value=1))
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "caller.py").write_text(CALLER)
+    (package / "callee.py").write_text(CALLEE.format(value=1))
     assert answer(tmp_path, how) == 1
-    (package / "inner" / "callee.py").write_text(CALLEE.format(value=2))
+    (package / "callee.py").write_text(CALLEE.format(value=2))
     assert answer(tmp_path, how) == after
     assert answer(tmp_path, how) == after
 
