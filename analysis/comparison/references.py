@@ -174,10 +174,10 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
 
 
 def _bending(run: RunEnergy) -> float:
-    """Return how much of a loss a distorted motion may turn into what looks like mass, as a fraction of the loss.
+    """Return the fraction of a loss that a distorted motion may turn into what looks like mass.
 
-    A force k v|v| on v = V (cos t + e cos(3t + p)) has at most 0.6 e of its fundamental a quarter of a cycle away, other
-    harmonics less, and a force k v nothing. e is taken from all harmonics of the velocity.
+    A force k v|v| on v = V (cos t + e cos(3t + p)) has at most 0.6 e of its fundamental a quarter of a cycle away,
+    other harmonics less, and a force k v nothing. e is taken from all harmonics of the velocity.
     """
     a = np.abs(run.energy.acceleration)
     velocity = a / np.arange(1, a.size + 1)
