@@ -20,7 +20,7 @@ from rig.cli.terminal import watch
 from rig.importing.mapping import read_mapping
 from rig.protocol.load import load_protocol
 
-QUIET = ("text", "{toctree}", "json")
+QUIET = ("text", "{toctree}", "{eval-rst}", "json")
 LEAST = "schema: rig/protocol/1\nname: fragment\n"
 PAGE_NAMES = {str(page.relative_to(ROOT)): page for page in PAGES}
 EVERY = [block for page in PAGES for block in blocks(page)]

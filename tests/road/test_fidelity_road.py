@@ -17,6 +17,8 @@ from daq.session.writer import Recorder
 from rig.beds.janssen_stack import nominal, stack
 from rig.campaign.campaign import Campaign
 from rig.campaign.one_run.assemble import assemble
+from rig.campaign.one_run.prescribed_run import stand_of
+from rig.campaign.one_run.run_inputs import filling_of, motion_of
 from rig.campaign.preflight.outlook import preflight
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
@@ -105,11 +107,9 @@ def test_the_mean_over_poured_runs_is_within_the_tolerance(
         made = campaign(MIXED, "repeats={n: 4, refill: true}", f"seed={seed}", f"tolerance={tolerance}", *IDEAL)
         report = run(made, tmp_path / str(seed), workers=1)
         for condition, found in zip(made.conditions, report["conditions"], strict=True):
-            scene, drive = side_by_side(condition.scene), condition.drive
-            true = np.mean([
-                closed(scene, stack(scene, made.rig, made.filling(one, scene)), drive.acceleration, 20.0, 1024).total
-                for one in made.runs if one.condition.id == condition.id
-            ])  # fmt: skip
+            scene, level = side_by_side(condition.scene), condition.drive.acceleration
+            beds = (filling_of(made, one, scene) for one in made.runs if one.condition.id == condition.id)
+            true = np.mean([closed(scene, stack(scene, made.rig, bed), level, 20.0, 1024).total for bed in beds])
             errors.append((found["W_exp"] / float(true) - 1.0) / tolerance)
     assert np.mean(np.abs(errors) > 1.0) <= 0.05
     assert float(np.sqrt(np.mean(np.square(errors)))) < 0.75
@@ -176,9 +176,9 @@ def test_peaks_beyond_the_exciter_are_those_of_all_rows(tmp_path: Path) -> None:
         told = [record.scalars(one.name) for one in made.runs]
     for one, scalars in zip(made.runs, told, strict=True):
         assert one.condition.scene.layers.rows < 8
-        stand = made.stand(one)
+        stand = stand_of(made, one)
         scene = side_by_side(one.condition.scene)
-        full = Stand(scene, made.rig, made.motion(one), made.filling(one, scene), stand.rate)
+        full = Stand(scene, made.rig, motion_of(made, one), filling_of(made, one, scene), stand.rate)
         for each in (stand, full):
             each.read(round(40 * stand.rate / 20.0))
         few, all_rows = use_of(made.rig, stand), use_of(made.rig, full)
@@ -221,8 +221,8 @@ def test_the_choice_moves_no_seed() -> None:
     assert {run.condition.scene.layers.rows for run in auto.runs} != {8}
     for one, other in zip(auto.runs, written.runs, strict=True):
         assert one.condition.seed_key == other.condition.seed_key
-        assert auto.motion(one) == written.motion(other)
-        a, b = auto.filling(one), written.filling(other)
+        assert motion_of(auto, one) == motion_of(written, other)
+        a, b = filling_of(auto, one), filling_of(written, other)
         assert (a.packing, a.play) == (b.packing, b.play)
 
 

@@ -95,7 +95,7 @@ def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeyp
     """A million times the speed, no margin: the first late block is recorded with its flag, the run is incomplete."""
     made = campaign(*ONE, "acquire.record=400 cycles")
     with monkeypatch.context() as patched:
-        patched.setattr("daq.chain.clock.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+        patched.setattr("rig.campaign.one_run.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
         with pytest.raises(Overrun, match="slower speed"):
             run(made, tmp_path, speed=1e6)
     with open_session(tmp_path / "session.h5") as record:
@@ -153,7 +153,7 @@ def test_pacing_changes_no_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     with monkeypatch.context() as patched:
         patched.setattr(
-            "daq.chain.clock.Pacer",
+            "rig.campaign.one_run.part.Pacer",
             lambda rate, speed: Pacer(rate, speed, margin=1e-9, clock=lambda: now[0], sleep=sleep),
         )
         report = run(
