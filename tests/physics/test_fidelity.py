@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rig.beds.janssen_stack import nominal, refill, stack
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
 from rig.fidelity.choose import stand_pilot
@@ -35,7 +35,7 @@ def test_the_pilot_sees_what_the_bed_does(acceleration: float, rig: Rig) -> None
     within 1e-10 of a play, of which each row has its own; steady energy against the closed tier."""
     scene, cycles = balls(fill=0.6), 96
     found = rows_pilot(scene, rig, at(acceleration), nominal(scene, rig), cycles)
-    bed = Layers(stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0))
+    bed = LayersBed(stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0))
     work = np.concatenate([bed.advance(2).work for _ in range(cycles // 2)])
     inertial = np.pi * bed.mass * Waveform(20.0, acceleration).velocity_unit ** 2
     kept = 1e-10 if found.repeating == 1.0 else 1e-4  # a row without a period doubles a difference in each cycle

@@ -7,7 +7,7 @@ import pytest
 
 from analysis.session.prediction import Curve
 from rig.beds.janssen_stack import nominal, refill, stack
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
 from rig.kernels.rows.many_rows import steady_and_window
@@ -117,7 +117,7 @@ def bias_of_settling(one: Condition, rig: Rig, refills: int, rng: np.random.Gene
     drive, acquire, found = one.drive, one.acquire, []
     for _ in range(refills):
         bed = stack(one.scene, rig, refill(one.scene, rig, rng))
-        moving = Layers(bed, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
+        moving = LayersBed(bed, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
         parts = [moving.advance(50) for _ in range(8)]
         lost = np.concatenate([part.friction + part.collision for part in parts])
         found.append(lost[acquire.settle : acquire.settle + acquire.record].mean() / lost[128:].mean() - 1.0)
