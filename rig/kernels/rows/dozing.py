@@ -1,9 +1,11 @@
-"""Rows that slide the same way for a while, far from any wall: friction on them is constant, so they need no steps.
+"""Sleeping rows: rows that slide one way for a while, far from any wall, feel constant friction and
+need no steps.
 
-Of many rows most do so at any time. They are found by a bound: while the box velocity stays within a slack of what it
-was, their slip cannot end and no wall can be reached. All others are awake and copied to pages of their own, which the
-steps work on. When the time is over, or the box leaves the bound (told before a step is made for good), those that
-dozed are moved by the whole time at once, as exactly as by steps.
+Most rows do so at any time. They are found by a bound: while the box velocity stays within a slack
+of its initial value, their slip cannot end and no wall can be reached. All other rows are awake;
+the steps work on copies of them in separate tiles. When the time is over, or the box leaves the
+bound (detected before a step is committed), the sleeping rows are moved by the whole time at once,
+as exactly as by steps.
 """
 
 import math
@@ -16,25 +18,28 @@ from rig.kernels.rows.pages import BAND, CHUNK, DOZES, FIELDS, GIVEN, HI, LO, PL
 from rig.kernels.waveform import Array, Ints
 
 LEAST_ROWS = np.uint64(128)
-"""Fewer rows than these are always awake: it would not pay."""
+"""Smallest number of rows with sleeping: for fewer it does not pay."""
 
 SPAN = 6
-"""Longest steps for which rows doze at most."""
+"""Longest sleep, in steps of full length."""
 
 SINCE, PLACE, SPEED, SLACK, FARTHEST, FORCE = range(6)
-"""What is noted of a doze: how long it has lasted, place and velocity of the box when it began, how far that velocity
-may leave it and has left it, and the sum of what the box gives those that doze, per mass (an acceleration)."""
+"""Entries of the sleep state: elapsed time; box position and velocity at its start; bound on the
+velocity change, and the largest change so far; sum of the impulses per mass and time on the
+sleeping rows (an acceleration).
+"""
 
 MARGIN = 1.5
-"""The slack over how far the box has left its velocity in the doze before."""
+"""Slack, as a multiple of the largest velocity change of the box during the previous sleep."""
 
 
 class Herd(NamedTuple):
-    """Rows, and room to work in.
+    """A population of rows, and work space.
 
-    everyone : pages of all rows, those that are awake as they were when the doze began
-    awake, whose : pages of the rows that are awake, and their places among all
-    nap : what is noted of the doze, at SINCE, PLACE, ...
+    everyone : tiles of all rows; those that are awake as they were at the start of the sleep
+    awake, whose : tiles of the rows that are awake, and their places among all rows
+    nap : sleep state, entries SINCE, PLACE, ...
+    lanes : partial sums
     """
 
     everyone: Array
@@ -46,7 +51,7 @@ class Herd(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def herd(pages: Array, rows: np.uint64) -> Herd:
-    """All rows, none of them dozing yet."""
+    """Return the population of all rows, none of them asleep."""
     nap = np.zeros(6)
     nap[SLACK] = 0.0 if rows >= LEAST_ROWS else math.inf
     return Herd(pages, np.zeros(pages.shape[0]), np.empty(rows + np.uint64(1), np.int64), nap, np.empty(CHUNK))
@@ -56,7 +61,9 @@ def herd(pages: Array, rows: np.uint64) -> Herd:
 def again(
     place: float, speed: float, latest: float, ahead: float, pull: float, rows: np.uint64, count: np.uint64, of: Herd
 ) -> tuple[np.uint64, float]:
-    """End a doze and begin another: how many rows are awake now, and heat of those that dozed, per mass, J/kg."""
+    """End a sleep and start another. Returns (number of rows awake, heat of those that slept, per
+    mass, J/kg).
+    """
     heat, nap = wake(place, latest, pull, rows, count, of), of.nap
     nap[SLACK], nap[FARTHEST] = MARGIN * nap[FARTHEST], 0.0
     return doze(place, speed, ahead, pull, rows, of), heat
@@ -64,9 +71,11 @@ def again(
 
 @njit(cache=True, nogil=True)
 def doze(place: float, speed: float, ahead: float, pull: float, rows: np.uint64, of: Herd) -> np.uint64:
-    """Begin a doze of the time `ahead`, s, with the box at `place` and `speed`: how many rows are awake.
+    """Start a sleep of `ahead` (s) with the box at `place` (m) and `speed` (m/s). Returns the
+    number of rows awake.
 
-    Slip z of a row changes by (band + |pull|) t and the slack at most, its place by (|z| + that) t.
+    The slip z of a row changes by at most (band + |pull|) t plus the slack, its position by (|z| +
+    that) t.
     """
     pages, nap, lanes = of.everyone, of.nap, of.lanes
     nap[SINCE], nap[PLACE], nap[SPEED] = 0.0, place, speed
@@ -91,11 +100,12 @@ def doze(place: float, speed: float, ahead: float, pull: float, rows: np.uint64,
 
 @njit(cache=True, nogil=True)
 def _gather(pages: Array, rows: np.uint64, awake: Array, whose: Ints) -> np.uint64:
-    """Copy the rows that do not doze to pages of their own; how many they are."""
+    """Copy the rows that are awake to separate tiles. Returns their number."""
     count = np.uint64(0)
     for row in range(rows):
         i = at(np.uint64(row))
         whose[count] = np.int64(i)
+        # Written every time, counted only if awake: no branch in the loop.
         count += np.uint64(pages[i + DOZES] == 0.0)
     for k in range(count):
         i, to = np.uint64(whose[k]), at(np.uint64(k))
@@ -107,9 +117,12 @@ def _gather(pages: Array, rows: np.uint64, awake: Array, whose: Ints) -> np.uint
 
 @njit(cache=True, nogil=True)
 def wake(place: float, latest: float, pull: float, rows: np.uint64, count: np.uint64, of: Herd) -> float:
-    """End a doze with the box at `place`: everyone is up to date; heat of those that dozed, per mass, J/kg.
+    """End a sleep with the box at `place` and update all rows. Returns the heat of those that
+    slept, per mass, J/kg.
 
-    count : of the rows awake; latest : time of the latest step, s, for impulses as if the others had taken it
+    count : number of rows awake
+    latest : duration of the latest step, s, from which the impulses `P` are set as if the sleeping
+        rows had taken it
     """
     pages, awake, nap, lanes = of.everyone, of.awake, of.nap, of.lanes
     time, moved = nap[SINCE], place - nap[PLACE]
@@ -134,7 +147,9 @@ def wake(place: float, latest: float, pull: float, rows: np.uint64, count: np.ui
 
 @njit(cache=True, nogil=True)
 def stays(speed: Array, nap: Array) -> bool:
-    """Does the box, by its velocities in a step, stay within the slack? How far it goes is noted."""
+    """Return whether the box stays within the slack at its velocities `speed` in a step; record the
+    largest change.
+    """
     for k in range(speed.shape[0]):
         nap[FARTHEST] = max(nap[FARTHEST], abs(speed[k] - nap[SPEED]))
     inside: bool = nap[FARTHEST] <= nap[SLACK]

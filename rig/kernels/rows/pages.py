@@ -1,9 +1,11 @@
-"""Rows of grains in pages: `CHUNK` rows after one another, each of their numbers in a block of its own.
+"""Rows of grains in tiles: `CHUNK` consecutive rows, each of their fields in a block of its own
+(structure of arrays).
 
-Numbers of one page are constant distances apart, so a loop over its rows compiles to several rows at a time, whatever
-it reads and writes (with an array for each number the compiler asks first whether any two overlap, and soon gives up).
-Indices are unsigned: a signed one might count from the end. Sums go to `lanes`, one for each row of a page: their order
-is that of the rows, on any machine.
+Fields of one tile are constant distances apart, so a loop over its rows compiles to vector
+instructions, whatever it reads and writes (with an array for each field, the compiler first tests
+whether any two overlap, and soon gives up). Indices are unsigned: signed ones could be negative and
+count from the end. Sums go to `lanes`, one for each row of a tile, so their order is that of the
+rows on any machine.
 """
 
 import numpy as np
@@ -14,13 +16,15 @@ from rig.kernels.waveform import Array
 CHUNK = np.uint64(64)
 FIELDS = np.uint64(9)
 W, U, P, LO, HI, BAND, PLAY, DOZES, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
-"""Where the numbers begin in a page: velocity, place against the wall at 0, latest impulse per mass, least and most
-acceleration that the box gives, friction, free play; whether a row dozes (1 or 0), and the friction on it if so."""
+"""Offsets of the fields in a tile: velocity, position relative to the wall at 0, latest impulse per
+mass, lower and upper limit of the acceleration by the box, friction, free play; whether a row
+sleeps (1 or 0), and the friction on it if so.
+"""
 
 
 @njit(cache=True, nogil=True)
 def paged(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
-    """Rows as pages, flat; impulses are 0, and so is what the last page has no rows for."""
+    """Return rows as flat tiles; impulses and unused places of the last tile are 0."""
     rows = np.uint64(w.shape[0])
     pages = np.zeros((rows + CHUNK - np.uint64(1)) // CHUNK * CHUNK * FIELDS)
     for k in range(rows):
@@ -32,7 +36,7 @@ def paged(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) ->
 
 @njit(cache=True, nogil=True)
 def unpaged(pages: Array, w: Array, u: Array, lo: Array, hi: Array) -> None:
-    """What changes of the rows, back in arrays."""
+    """Copy the fields that change from the tiles back to arrays."""
     for k in range(w.shape[0]):
         i = at(np.uint64(k))
         w[k], u[k], lo[k], hi[k] = pages[i + W], pages[i + U], pages[i + LO], pages[i + HI]
@@ -40,20 +44,20 @@ def unpaged(pages: Array, w: Array, u: Array, lo: Array, hi: Array) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def at(row: np.uint64) -> np.uint64:
-    """Place of a row's first number; the others follow at W, U, ..."""
+    """Return the place of a row's first field; the others follow at W, U, ..."""
     return row // CHUNK * CHUNK * FIELDS + row % CHUNK
 
 
 @njit(cache=True, nogil=True)
 def clear(lanes: Array) -> None:
-    """Begin sums anew."""
+    """Zero the partial sums."""
     for j in range(lanes.shape[0]):
         lanes[j] = 0.0
 
 
 @njit(cache=True, nogil=True)
 def total(x: Array) -> float:
-    """Sum of an array in eight lanes: independent additions, in an order that is always the same."""
+    """Return the sum of an array in eight lanes: independent additions, in a fixed order."""
     n = x.shape[0]
     a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     whole = n - n % 8

@@ -1,4 +1,6 @@
-"""Rows from rest to their steady state: what each takes per cycle in the end, and what all take cycle by cycle."""
+"""Rows from rest to their steady state: final energy per cycle of each, and energy of all in each
+cycle.
+"""
 
 from typing import NamedTuple
 
@@ -15,12 +17,12 @@ from rig.kernels.waveform import Array, Ints
 class Transient(NamedTuple):
     """Rows over some cycles from rest at one wall, units of the waveform.
 
-    energy : steady energy per cycle of each row, shape (rows,): the mean over its period, of a row without one over the
-        cycles behind the first `HISTORY`
-    period : of each row in cycles, 0 for none, -1 where it exceeds `MAX_EVENTS`
+    energy : steady energy per cycle of each row, shape (rows,): the mean over its period, or,
+        without one, over the cycles after the first `HISTORY`
+    period : of each row in cycles, 0 for none, -1 if it exceeds `MAX_EVENTS`
     work : of the box on all rows in each cycle, shape (cycles,)
     loose : loss of the rows without a period in each cycle, shape (cycles,)
-    simulated : cycles of rows that were simulated; all others are copies of a period
+    simulated : number of row cycles simulated; all others are copies of a period
     """
 
     energy: Array
@@ -31,7 +33,7 @@ class Transient(NamedTuple):
 
 
 def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
-    """Follow rows through their first cycles, more than `HISTORY` of them."""
+    """Follow rows through their first `cycles` cycles, more than `HISTORY` of them."""
     return Transient(*_transient(*rows, P, Q, cycles, no_events()))
 
 
