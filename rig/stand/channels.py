@@ -1,4 +1,6 @@
-"""The instruments of a protocol: catalog entries and rig file become channels with a certified and an actual state."""
+"""The instruments of a protocol: channels with a certified and an actual state, from catalog
+entries and rig file.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -32,16 +34,16 @@ CHANNELS = ("force", "acceleration")
 EXCITER_CHANNELS = ("current", "voltage")
 AUTO = "auto"
 OF_SESSION = ("analyzer", "sensors", "exciter_channels", "coupling", "ranges", "effects")
-"""Parts of `acquire` that are one for all conditions: a session has one channel table."""
+"""Parts of `acquire` that are common to all conditions, because a session has one channel table."""
 
 
 @dataclass(frozen=True)
 class Instruments:
-    """What a session measures with: the same for all its runs.
+    """The instruments of a session, the same for all its runs.
 
-    states : the actual states, drawn once per session and channel; known to nobody but the truth
-    clock_error : relative error of the analyzer's clock, on which the generator runs too
-    exciter : the actual exciter, the rig file's values being what the laboratory knows of it
+    states : the actual states, drawn once per session and channel; only the truth knows them
+    clock_error : relative error of the analyzer's clock, which the generator shares
+    exciter : the actual exciter; the laboratory knows the values of the rig file
     """
 
     analyzer: AnalyzerSpec
@@ -51,14 +53,15 @@ class Instruments:
     exciter: Exciter
 
     def table(self, rate: float, filter_delay: float) -> tuple[ChannelInfo, ...]:
-        """The channel table of the session file: certified values only."""
+        """Return the channel table of the session file: certified values only."""
         return tuple(channel_info(channel, self.analyzer, rate, filter_delay) for channel in self.channels)
 
 
 def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instruments:
-    """The instruments that a session seed gives; an ideal one is exactly what its certificate says.
+    """Return the instruments that a session seed gives; an ideal one agrees exactly with its
+    certificate.
 
-    Raises InputError where conditions ask for different instruments: a session has one channel table.
+    Raises InputError if conditions ask for different instruments: a session has one channel table.
     """
     if len({tuple(getattr(c.acquire, part) for part in OF_SESSION) for c in conditions}) > 1:
         raise InputError(
@@ -85,13 +88,16 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
         else draw_state(channel, analyzer, stream(seed, "instrument", channel.name))
         for channel in channels
     )
+    # With an ideal current sensor the exciter, too, agrees exactly with the rig file.
     known = acquire.sensors.current == "ideal"
     exciter = rig.exciter if known else drawn_exciter(rig.exciter, stream(seed, "exciter"))
     return Instruments(analyzer, channels, states, draw_clock_error(analyzer, stream(seed, "clock")), exciter)
 
 
 def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
-    """An exciter as it may really be: force constant and parts normal about what is known, U (k = 2) as stated."""
+    """Return a possible actual exciter: force constant and parts, log-normal about the known values
+    with U (k = 2) as stated.
+    """
     known = {"force_constant": exciter.force_constant_U, **dict.fromkeys(PARTS, exciter.parts_U)}
     errors = 0.5 * np.array(list(known.values())) * rng.standard_normal(len(known))
     factors = [math.exp(error) for error in errors]
@@ -102,7 +108,9 @@ def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
 
 
 def ranged(tools: Instruments, asked: Ranges, peaks: Mapping[str, float]) -> Instruments:
-    """The instruments with the smallest sufficient range where that is left to the look ahead; peaks: by channel."""
+    """Return the instruments with the smallest sufficient range on every automatic channel; peaks :
+    by channel.
+    """
     channels = tuple(
         replace(c, range_V=smallest_range(tools.analyzer.ranges, peaks[c.name] * c.transducer.sensitivity))
         if getattr(asked, c.name, None) == AUTO
@@ -113,14 +121,14 @@ def ranged(tools: Instruments, asked: Ranges, peaks: Mapping[str, float]) -> Ins
 
 
 def _range_of(asked: float | str | None, analyzer: AnalyzerSpec, otherwise: float) -> float:
-    """V; the largest until the look ahead has chosen."""
+    """Return the input range, V; the largest one until the dry run has chosen."""
     if asked == AUTO:
         return max(analyzer.ranges)
     return otherwise if asked is None else float(asked)
 
 
 def _transducer(channel: str, model: str, effects: Sequence[str]) -> TransducerSpec:
-    """A sensor with those extras of its sheet that are asked for."""
+    """Return a sensor with the requested optional effects of its data sheet."""
     if model == "ideal":
         return ideal_transducer(channel)  # type: ignore[arg-type]
     full = transducer(model)
