@@ -1,4 +1,6 @@
-"""`fidelity: auto` for a whole protocol: every condition with its instruments, and what the session tells of it."""
+"""`fidelity: auto` for a whole protocol: the choice for every condition with its instruments, and
+its description.
+"""
 
 import math
 import os
@@ -24,7 +26,9 @@ COSTS = ("auto", "written", "resolved")
 
 
 def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments) -> dict[str, Choice]:
-    """The choice for every condition, by id. Raises InputError where a bed cannot be followed."""
+    """Return the choice for every condition, by id. Raises InputError if a bed cannot
+    be followed.
+    """
     asked = Asked.of(protocol)
 
     def one(condition: Condition) -> Choice:
@@ -38,7 +42,7 @@ def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools:
 
 
 def choices_text(choices: Mapping[str, Choice]) -> str:
-    """A line for each condition: what a session has to agree with to be gone on with."""
+    """Return one line per condition: a session must agree with it to be resumed."""
     return "".join(
         f"{name}: {f'{c.rows} rows, ' if c.rows else ''}settle {c.settle} cycles, record {c.record} cycles\n"
         for name, c in choices.items()
@@ -46,7 +50,7 @@ def choices_text(choices: Mapping[str, Choice]) -> str:
 
 
 def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]:
-    """The choices as the session and the report tell them; costs are sums over all runs."""
+    """Return the choices for session and report; costs are sums over all runs."""
     every = tuple(choices.values())
     return {
         "mode": "auto",
@@ -65,7 +69,7 @@ def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]
 
 
 def _moving_mass(condition: Condition, rig: Rig) -> float:
-    """Box, gauge side and bed, kg."""
+    """Return the mass of box, gauge side and bed, kg."""
     scene, drive = condition.scene, condition.drive
     bed = BEDS[scene.bed](
         scene, rig, nominal(scene, rig), Sampling(Waveform(drive.frequency, drive.acceleration), 64.0)
@@ -74,7 +78,10 @@ def _moving_mass(condition: Condition, rig: Rig) -> float:
 
 
 def _noise(condition: Condition, tools: Instruments, mass: float) -> Noise:
-    """The instruments in one condition. The force is that of the whole mass riding: a sliding bed asks for no more."""
+    """Return the effect of the instruments in one condition.
+
+    The force amplitude is that of the whole mass riding along: a sliding bed needs no more.
+    """
     drive = condition.drive
     rate = tools.analyzer.rate_for(drive.frequency, condition.acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency

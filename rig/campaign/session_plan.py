@@ -1,4 +1,6 @@
-"""What a session file states before the first sample: conditions, predictions, instruments, provenance."""
+"""Contents of a session file before the first sample: conditions, predictions, instruments,
+provenance.
+"""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -24,7 +26,9 @@ SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 
 def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPlan:
-    """Everything that a session file holds except the samples; found: the forecasts by condition."""
+    """Return the contents of a session file except the samples; found : the forecasts
+    by condition.
+    """
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [
         condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate) for c in campaign.conditions
@@ -73,13 +77,17 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:
-    """An exciter for the session file, SI; `band` (Hz): up to where its current tells the force at the gauge."""
+    """Return an exciter for the session file, SI; `band` (Hz) : up to which its current indicates
+    the force at the gauge.
+    """
     return {**asdict(exciter), "band": solvable_band(exciter)}
 
 
 def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:
-    """What makes a session this campaign's, by document and key: protocol with its seed, what was chosen for it, and
-    rig, written out."""
+    """Return the data that identify a session as this campaign's, by document and key.
+
+    The protocol with its seed, its fidelity choices, and the rig, written out.
+    """
     choices = {"fidelity": choices_text(campaign.choices)} if campaign.choices else {}
     return {
         "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate, **choices},

@@ -1,4 +1,6 @@
-"""A protocol's mistake at work: in the actual instruments, in what reaches them, and in what the session tells."""
+"""A protocol's deliberate error: in the actual instruments, in their input, and in the facts for
+the session.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -17,7 +19,9 @@ ACCELERATION = CHANNELS.index("acceleration")
 
 
 def spoiled(tools: Instruments, practice: BadPractice) -> Instruments:
-    """The instruments with the accelerometer's actual time constant off by the factor of `pole`."""
+    """Return the instruments with the accelerometer's actual time constant changed by the factor
+    `pole`.
+    """
     certified = tools.channels[ACCELERATION].transducer.time_constant
     if practice.pole is None or certified is None:
         return tools
@@ -29,7 +33,9 @@ def spoiled(tools: Instruments, practice: BadPractice) -> Instruments:
 def seen(
     source: PhysicalSource, practice: BadPractice, condition: Condition, rig: Rig, motion: Waveform
 ) -> PhysicalSource:
-    """What reaches the transducers of a run; the source itself where the mistake lies elsewhere, or none is made."""
+    """Return the input of a run's transducers with the deliberate error; the source itself if the
+    error lies elsewhere or there is none.
+    """
     if practice.corners is not None:
         return AcCoupled(source, (AC_CORNER, AC_CORNER * (1.0 + practice.corners)))
     if practice.skew is not None:
@@ -46,7 +52,9 @@ def seen(
 
 
 def told(practice: BadPractice, rig: Rig, rate: float) -> dict[str, Any] | None:
-    """What the report needs to know of the mistake: its kind, its value and what its rule takes (SI)."""
+    """Return the facts of the error for the report: its kind, its value, and the quantities in its
+    rule (SI).
+    """
     kind = practice.kind
     if kind is None:
         return None
