@@ -10,8 +10,8 @@ from rig.beds.bed import Array, Reaction
 from rig.beds.janssen_stack import Stack
 from rig.drive.waveform import Sampling
 from rig.errors import InputError, Mistake
-from rig.kernels.rows.many_rows import MEMORY, Grid, follow
-from rig.kernels.rows.one_row import MAX_EVENTS, Rows
+from rig.kernels.rows.many_rows import MEMORY, EdgeGrid, follow
+from rig.kernels.rows.one_row import MAX_EVENTS, RowSet
 from rig.kernels.waveform import crossings, extrema
 
 
@@ -32,7 +32,7 @@ class LayersBed:
         found = crossings(band, *self._coefficients, extrema(*self._coefficients))
         flowing = np.flatnonzero(found.counts)
         play = stack.play[flowing] / motion.length_unit
-        self._rows = Rows(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
+        self._rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
         self._memory = np.zeros(play.size, MEMORY)
         self._riding_mass = stack.mass - stack.row_mass * play.size
         self._velocity = _Velocity(np.zeros(0), np.zeros(0))
@@ -59,7 +59,7 @@ class LayersBed:
         if self._velocity.box is not velocity:
             self._velocity = _Velocity(velocity, velocity[1:] / unit)
         momentum, ledger, repeats = follow(
-            Grid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
+            EdgeGrid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
             self._velocity.scaled,
             self._riding_mass / mass if mass else 0.0,
             mass * unit,

@@ -14,7 +14,7 @@ from rig.errors import InputError, Mistake
 from rig.kernels.single_mass.many_cycles import follow
 from rig.kernels.single_mass.one_cycle import State, no_events
 from rig.protocol.spec import Scene
-from rig.theory.single_mass import Slug
+from rig.theory.single_mass import SingleMass
 
 LOOK_BACK = 64
 """Longest period, in calls of `advance`, that is reported to the stand for replay."""
@@ -28,7 +28,7 @@ def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
     return max(along * (1.0 - scene.grains.fill * filling.packing / rig.packing_loose), 0.0)
 
 
-def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
+def slug(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
     """Return the single mass of a filling. Its gap comes from the scene, or from the fill if the
     scene gives none; without a gap it starts at rest.
     """
@@ -37,7 +37,7 @@ def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
         low, high = 0.0 if vertical else -math.inf, math.inf
     else:
         low, high = 0.0, free_gap(scene, rig, filling) if settings.gap is None else float(settings.gap)
-    return Slug(
+    return SingleMass(
         mass=bed_mass(scene, filling.packing),
         low=low,
         high=high,
@@ -54,7 +54,7 @@ class SlugBed:
     it.
     """
 
-    def __init__(self, slug: Slug, sampling: Sampling) -> None:
+    def __init__(self, slug: SingleMass, sampling: Sampling) -> None:
         motion = sampling.motion
         self._slug = slug
         self._sampling = sampling
@@ -114,7 +114,7 @@ class SlugBed:
         return back
 
 
-def too_many_events(slug: Slug) -> InputError:
+def too_many_events(slug: SingleMass) -> InputError:
     """Return the error for a single mass that bounces more often in a cycle than can be
     followed.
     """

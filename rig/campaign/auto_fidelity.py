@@ -15,7 +15,7 @@ from rig.beds.janssen_stack import nominal
 from rig.beds.registry import BEDS
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
-from rig.fidelity.choice import Choice
+from rig.fidelity.choice import FidelityChoice
 from rig.fidelity.choose import Asked, Noise, choose
 from rig.fidelity.rows import SHARE
 from rig.protocol.spec import Condition, Protocol
@@ -25,13 +25,15 @@ from rig.stand.channels import Instruments
 COSTS = ("auto", "written", "resolved")
 
 
-def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments) -> dict[str, Choice]:
+def chosen(
+    protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments
+) -> dict[str, FidelityChoice]:
     """Return the choice for every condition, by id. Raises InputError if a bed cannot
     be followed.
     """
     asked = Asked.of(protocol)
 
-    def one(condition: Condition) -> Choice:
+    def one(condition: Condition) -> FidelityChoice:
         mass = _moving_mass(condition, rig)
         motion = Waveform(condition.drive.frequency, condition.drive.acceleration)
         losses = float(losses_of(condition.scene, rig, mass).energies(motion).sum())
@@ -41,7 +43,7 @@ def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools:
         return {c.id: choice for c, choice in zip(conditions, pool.map(one, conditions), strict=True)}
 
 
-def choices_text(choices: Mapping[str, Choice]) -> str:
+def choices_text(choices: Mapping[str, FidelityChoice]) -> str:
     """Return one line per condition: a session must agree with it to be resumed."""
     return "".join(
         f"{name}: {f'{c.rows} rows, ' if c.rows else ''}settle {c.settle} cycles, record {c.record} cycles\n"
@@ -49,7 +51,7 @@ def choices_text(choices: Mapping[str, Choice]) -> str:
     )
 
 
-def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]:
+def choices_document(choices: Mapping[str, FidelityChoice], runs: int) -> dict[str, Any]:
     """Return the choices for session and report; costs are sums over all runs."""
     every = tuple(choices.values())
     return {

@@ -14,7 +14,7 @@ from rig.stand.channels import Instruments
 from rig.stand.ledger import COLUMNS, COUPLED_COLUMNS
 
 if TYPE_CHECKING:
-    from rig.fidelity.choice import Choice
+    from rig.fidelity.choice import FidelityChoice
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Campaign:
     lengths: dict[str, Lengths]
     instruments: Instruments
     ablate: bool = False
-    choices: "Mapping[str, Choice]" = field(default_factory=dict)
+    choices: "Mapping[str, FidelityChoice]" = field(default_factory=dict)
 
     @property
     def averaged(self) -> dict[str, int]:

@@ -17,7 +17,7 @@ from daq.session.plan import RunInfo
 from daq.session.record import Record, Truth, open_session
 from daq.session.writer import Recorder
 from rig.campaign.incoming_signals import IncomingSignals
-from rig.campaign.one_run.live import Look, Watcher
+from rig.campaign.one_run.live import LiveUpdate, Watcher
 from rig.campaign.one_run.part import Part
 from rig.campaign.one_run.recorder import Analysis, Watch, record_parts
 from rig.campaign.provenance import replay_provenance
@@ -32,25 +32,25 @@ def replay(
     overwrite: bool = False,
     progress: Watch = lambda _: None,
     patience: float | None = None,
-    look: Callable[[Look], None] | None = None,
+    live: Callable[[LiveUpdate], None] | None = None,
 ) -> dict[str, Any]:
     """Feed a session's blocks through recorder and analysis; returns the report.
 
     out : folder for a second session and its report: the same codes and the same report, byte for
         byte
     speed : rig seconds per wall second (None: as fast as possible)
-    progress : called after every run; look : called after every block
+    progress : called after every run; live : called after every block
     patience : as for `daq.open_session`
 
     Predictions and truth are those of the session.
     """
     with open_session(session, patience) as record:
         if out is None:
-            return read_session(record, analysed(record, speed, progress, look))
+            return read_session(record, analysed(record, speed, progress, live))
         plan = plan_of(record, replay=replay_provenance(speed))
         out.mkdir(parents=True, exist_ok=True)
         with Recorder.create(out / "session.h5", plan, overwrite) as recorder:
-            energies = record_parts(recorder, recorded(record, speed), progress, look)
+            energies = record_parts(recorder, recorded(record, speed), progress, live)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
@@ -60,13 +60,13 @@ def analysed(
     record: Record,
     speed: float | None = None,
     progress: Watch = lambda _: None,
-    look: Callable[[Look], None] | None = None,
+    live: Callable[[LiveUpdate], None] | None = None,
 ) -> dict[str, RunEnergy]:
     """Return the energies of a record's complete runs, in order of execution, computed while their
     blocks arrive.
     """
     analysis = Analysis(record, progress, done=0)
-    watcher = None if look is None else Watcher(record, look)
+    watcher = None if live is None else Watcher(record, live)
     for info in sorted(record.runs, key=lambda run: run.order):
         ended: list[Part] = []
 

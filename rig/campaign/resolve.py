@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
-from rig.campaign.one_run.deliberate_errors import spoiled
+from rig.campaign.one_run.deliberate_errors import with_instrument_error
 from rig.catalog.entries import Rig
 from rig.protocol import grid
 from rig.protocol.schedule import lengths, runs
@@ -17,7 +17,7 @@ from rig.stand.auto_range import auto_ranged
 from rig.stand.channels import instruments
 
 if TYPE_CHECKING:
-    from rig.fidelity.choice import Choice
+    from rig.fidelity.choice import FidelityChoice
 
 
 def campaign_of(protocol: Protocol, rig: Rig, text: str = "") -> Campaign:
@@ -27,7 +27,7 @@ def campaign_of(protocol: Protocol, rig: Rig, text: str = "") -> Campaign:
     conditions = grid.conditions(protocol)
     tools = instruments(conditions, rig, protocol.seed)
     rates = {c.id: lengths(c, tools.analyzer, FILTER_DELAY).rate for c in conditions}
-    choices: dict[str, Choice] = {}
+    choices: dict[str, FidelityChoice] = {}
     if protocol.fidelity == "auto":
         from rig.campaign.auto_fidelity import chosen
 
@@ -38,5 +38,7 @@ def campaign_of(protocol: Protocol, rig: Rig, text: str = "") -> Campaign:
     sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
     # Ranges of the final scenes.
     tools = auto_ranged(tools, conditions, rig, rates)
-    spoilt = spoiled(tools, protocol.mistake)
-    return Campaign(protocol, text, rig, conditions, runs(protocol, conditions), sizes, spoilt, choices=choices)
+    tools_with_error = with_instrument_error(tools, protocol.mistake)
+    return Campaign(
+        protocol, text, rig, conditions, runs(protocol, conditions), sizes, tools_with_error, choices=choices
+    )

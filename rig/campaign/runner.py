@@ -29,7 +29,7 @@ from rig.protocol.schedule import Run
 from rig.protocol.spec import Condition, Protocol
 
 if TYPE_CHECKING:
-    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.live import LiveUpdate
 
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
 """Modules that are needed when the workers have finished, loaded beforehand while they are busy."""
@@ -69,7 +69,7 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
-    look: "Callable[[Look], None] | None" = None,
+    live: "Callable[[LiveUpdate], None] | None" = None,
     executor: Executor | None = None,
 ) -> dict[str, Any]:
     """Run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report
@@ -77,7 +77,7 @@ def run(
 
     speed : rig seconds per wall second (None: as fast as possible); a paced campaign runs one run
         after the other
-    progress : called after every run; look : called after every block
+    progress : called after every run; live : called after every block
     executor : where runs are computed, instead of in `workers` processes of this machine:
         predictions first, then runs; it works while the session file is built
     """
@@ -110,7 +110,7 @@ def run(
             # A report of an earlier record.
             mark_unfinished(out)
         with recorder:
-            energies = record_parts(recorder, items, progress, look)
+            energies = record_parts(recorder, items, progress, live)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report

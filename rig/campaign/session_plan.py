@@ -10,7 +10,7 @@ from daq.session.plan import RunPlan, SessionPlan
 from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
-from rig.campaign.one_run.deliberate_errors import told
+from rig.campaign.one_run.deliberate_errors import error_facts
 from rig.campaign.one_run.scalars import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
 from rig.campaign.open_settings import assumed_settings
 from rig.campaign.provenance import now, provenance
@@ -38,7 +38,7 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
     if protocol.mistake.kind is not None:
         rates = [campaign.lengths[c.id].rate for c in campaign.conditions]
         facts = [
-            {**fact, "mistake": told(protocol.mistake, campaign.rig, own)}
+            {**fact, "mistake": error_facts(protocol.mistake, campaign.rig, own)}
             for fact, own in zip(facts, rates, strict=True)
         ]
     return SessionPlan(

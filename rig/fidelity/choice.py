@@ -8,7 +8,7 @@ from rig.protocol.spec import Condition
 
 
 @dataclass(frozen=True)
-class Choice:
+class FidelityChoice:
     """The choice for a condition and its errors, relative to W of the fully resolved scene.
 
     rows : per layer, None for a bed without rows

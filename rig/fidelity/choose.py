@@ -14,10 +14,10 @@ from rig.catalog.entries import Rig
 from rig.catalog.entries_by_name import IDEAL
 from rig.drive.losses import LOST
 from rig.drive.waveform import Waveform, waveform
-from rig.fidelity.choice import Choice
+from rig.fidelity.choice import FidelityChoice
 from rig.fidelity.lengths import LengthChoice, choose_lengths
-from rig.fidelity.pilot import Look, Pilot, rows_pilot
-from rig.fidelity.rows import LOOKS, RowsChoice, choose_rows
+from rig.fidelity.pilot import Pilot, PilotRun, rows_pilot
+from rig.fidelity.rows import PILOT_CYCLES, RowsChoice, choose_rows
 from rig.fidelity.scene_rows import resolved_rows, with_rows
 from rig.kernels.rows.many_rows import HISTORY
 from rig.protocol.spec import Acquire, Condition, Protocol, Scene
@@ -90,7 +90,7 @@ class Noise:
     settle: int = 1
 
 
-def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> Choice:
+def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> FidelityChoice:
     """Return the cheapest rows, settling and record within the tolerance; `losses` : losses of the
     box, J per cycle.
     """
@@ -102,16 +102,18 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
     allowed = asked.tolerance - (rows.error if rows else 0.0)
     planning = rows.planning if rows else 0
     pilots: list[Pilot] = []
-    first = rows.cycles if rows else LOOKS[0]
-    looks: list[Look] = []
+    first = rows.cycles if rows else PILOT_CYCLES[0]
+    pilot_runs: list[PilotRun] = []
     if rows is None and scene.bed not in RIGID:
-        looks = _looks_at_runs(condition, rig, asked)
+        pilot_runs = _pilots_of_runs(condition, rig, asked)
     elif rows and rows.pilot.W > 0.0:
-        looks = [partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)]
+        pilot_runs = [
+            partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)
+        ]
     for cycles in (first, LONGER * first):
         # The first pilot run is the one that chose the rows: it is not repeated.
-        known = [rows.pilot] if rows and looks and cycles == first else []
-        pilots = known + [look(cycles) for look in looks[len(known) :]]
+        known = [rows.pilot] if rows and pilot_runs and cycles == first else []
+        pilots = known + [pilot_run(cycles) for pilot_run in pilot_runs[len(known) :]]
         planning += sum(pilot.simulated for pilot in pilots[len(known) :])
         scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
         relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
@@ -155,7 +157,7 @@ def _fillings(scene: Scene, rig: Rig, asked: Asked, condition: Condition) -> Seq
     return [nominal(scene, rig), *drawn]
 
 
-def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
+def _pilots_of_runs(condition: Condition, rig: Rig, asked: Asked) -> list[PilotRun]:
     """Return pilot runs for the runs of a bed without rows, with the waveform and filling that each
     of them draws.
 
@@ -166,7 +168,7 @@ def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
     if not asked.drawn(condition):
         exact = Waveform(drive.frequency, drive.acceleration)
         return [partial(stand_pilot, scene, rig, exact, nominal(scene, rig))]
-    found: list[Look] = []
+    found: list[PilotRun] = []
     for repeat in range(1, min(asked.runs, MOST_RUNS) + 1):
         draw = partial(stream, asked.seed, condition.seed_key, str(repeat))
         rng = None if drive.imperfection == "none" else draw("drive")
@@ -179,13 +181,13 @@ def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
 def _choice(
     condition: Condition, tolerance: float, rows: RowsChoice | None, lengths: LengthChoice, skipped: tuple[str, ...],
     planning: int,
-) -> Choice:  # fmt: skip
+) -> FidelityChoice:  # fmt: skip
     written = (condition.scene.layers.rows, condition.acquire.settle, condition.acquire.record)
     resolved = (resolved_rows(condition.scene), FULL_SETTLE, FULL_RECORD)
     chosen = (rows.rows if rows else 0, lengths.settle, lengths.record)
     flowing = rows.pilot.flowing if rows else 0
     counts = {"auto": chosen, "written": written, "resolved": resolved}
-    return Choice(
+    return FidelityChoice(
         tolerance=tolerance,
         rows=rows.rows if rows else None,
         settle=lengths.settle,

@@ -49,7 +49,7 @@ class Pilot:
         return float(self.energy.sum())
 
 
-Look = Callable[[int], Pilot]
+PilotRun = Callable[[int], Pilot]
 """A pilot run: number of cycles -> the bed over its first cycles."""
 
 

@@ -32,7 +32,7 @@ COVERAGE = 2.0
 LAGS = 20
 """Number of distances between rows at which their semivariance is computed."""
 
-LOOKS = (HISTORY + 448, HISTORY + 1984, HISTORY + 8128)
+PILOT_CYCLES = (HISTORY + 448, HISTORY + 1984, HISTORY + 8128)
 """Lengths of pilot runs, in cycles, as averaging rows without a period requires: some wander for
 hundreds of cycles before they become periodic, and then dissipate up to half as much.
 """
@@ -92,7 +92,7 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
     uncertainty of the resolved rows' own energy after the pilot run.
     """
     resolved = resolved_rows(scene)
-    flowing = _look(with_rows(scene, 1), rig, drive, LOOKS[0]).flowing
+    flowing = _pilot(with_rows(scene, 1), rig, drive, PILOT_CYCLES[0]).flowing
     reference = min(resolved, max(MOST_REFERENCE_ROWS // max(flowing, 1), 1))
     best, cycles, left, planning = _long_enough(with_rows(scene, reference), rig, drive, AVERAGING * tolerance)
     if not best.W > 0.0:
@@ -105,7 +105,7 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
         # Far too much scatter: skip the pilot run of this number.
         if added > (1.0 if drawn else 2.0 * COVERAGE) * SHARE * tolerance:
             continue
-        tried = best if rows == reference else _look(with_rows(scene, rows), rig, drive, cycles)
+        tried = best if rows == reference else _pilot(with_rows(scene, rows), rig, drive, cycles)
         planning += tried.simulated if tried is not best else 0
         bias = tried.W / best.W - 1.0
         error = max(abs(bias), added if drawn else 0.0) + short
@@ -145,8 +145,8 @@ def _long_enough(scene: Scene, rig: Rig, drive: Drive, allowed: float) -> tuple[
     `LATE` of their energy, and at most the change observed since a shorter run, if there was one.
     """
     before, simulated = 0.0, 0
-    for cycles in LOOKS:
-        found = _look(scene, rig, drive, cycles)
+    for cycles in PILOT_CYCLES:
+        found = _pilot(scene, rig, drive, cycles)
         simulated += found.simulated
         late = LATE * (1.0 - found.repeating)
         if before > 0.0:
@@ -163,6 +163,6 @@ def _candidates(reference: int) -> Iterator[int]:
     yield reference
 
 
-def _look(scene: Scene, rig: Rig, drive: Drive, cycles: int) -> Pilot:
+def _pilot(scene: Scene, rig: Rig, drive: Drive, cycles: int) -> Pilot:
     """Run a pilot of the nominal filling."""
     return rows_pilot(scene, rig, drive, nominal(scene, rig), cycles)

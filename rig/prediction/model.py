@@ -18,7 +18,14 @@ from rig.stand.box import box_mass
 from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
 from rig.theory.single_mass import SlugTotal, slug_total
-from rig.theory.total import AVERAGED_CYCLES, TooManyEvents, Total, closed_tier, paper_collision, plastic_bound
+from rig.theory.total import (
+    AVERAGED_CYCLES,
+    ModelEnergy,
+    TooManyEvents,
+    as_printed_collision,
+    layers_total,
+    plastic_bound,
+)
 
 LEVELS = (0.97, 0.98, 0.99, 1.0, 1.01, 1.02, 1.03)
 """Levels, relative to the set acceleration, at which W_T is computed for interpolation to the
@@ -58,7 +65,7 @@ NUMERICAL_ERROR = 1e-3
 (tests/physics).
 """
 
-NOTHING = Total(0.0, 0.0, 1, 1.0)
+NOTHING = ModelEnergy(0.0, 0.0, 1, 1.0)
 
 
 @dataclass(frozen=True)
@@ -86,14 +93,14 @@ class Prediction:
     u_settling: float = 0.0
 
 
-def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> Total:
+def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> ModelEnergy:
     """Return W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
     if scene.bed == "slug":
-        return slug_tier(scene, rig, filling, acceleration, frequency).total
-    return closed(scene, stack(scene, rig, filling), acceleration, frequency)
+        return slug_variant(scene, rig, filling, acceleration, frequency).total
+    return layers_variant(scene, stack(scene, rig, filling), acceleration, frequency)
 
 
-def slug_tier(
+def slug_variant(
     scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float, settle: int = SETTLE,
     average: int = AVERAGE, window: tuple[int, int] | None = None,
 ) -> SlugTotal:  # fmt: skip
@@ -108,10 +115,10 @@ def slug_tier(
         raise too_many_events(bed) from error
 
 
-def closed(
+def layers_variant(
     scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
-) -> Total:  # fmt: skip
+) -> ModelEnergy:  # fmt: skip
     """Return the event-resolved energy (closed tier) of a scene's stack at one acceleration; zero
     for beds that do not slide by design.
 
@@ -122,14 +129,14 @@ def closed(
     if scene.bed != "layers":
         return NOTHING
     try:
-        return closed_tier(
+        return layers_total(
             bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles, window
         )
     except TooManyEvents as error:
         raise cannot_follow(bed, str(error)) from error
 
 
-def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
+def as_printed_variant(scene: Scene, rig: Rig, velocity: float) -> float:
     """Return W_T of the model as printed (paper tier), J per cycle: eq 5 with one slip per layer,
     plus the first chain wave at both walls.
     """
@@ -151,7 +158,7 @@ def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
     )
     layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
     count = grains_in_row(cavity.length, grains.diameter)
-    return friction + paper_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
+    return friction + as_printed_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
 
 
 def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
@@ -160,10 +167,10 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
     """
     scene, drive = condition.scene, condition.drive
     if scene.bed == "slug":
-        found = slug_tier(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
+        found = slug_variant(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
         return _slug_prediction(condition, rig, found)
     bed = stack(scene, rig, nominal(scene, rig))
-    return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
+    return _prediction(condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles))
 
 
 def predict_about(
@@ -180,7 +187,7 @@ def predict_about(
         return _slug_about(condition, rig)
     bed = stack(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
-    totals = [closed(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
+    totals = [layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
     point = _prediction(condition, rig, bed, totals[LEVELS.index(1.0)])
     return _with_uncertainty(point, levels, totals), _table(levels, totals)
 
@@ -191,7 +198,7 @@ def _window(condition: Condition) -> tuple[int, int]:
     return acquire.settle, acquire.settle + acquire.record
 
 
-def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[Total]) -> Prediction:
+def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[ModelEnergy]) -> Prediction:
     """Return a prediction with u_levels and u_settling from levels (m/s^2) about the set one.
 
     u_settling is the root mean square over all levels, because at a single one the few rows may
@@ -224,7 +231,7 @@ def misread(levels: Sequence[float], W: Sequence[float]) -> float:
     return max(errors)
 
 
-def _table(levels: list[float], totals: list[Total]) -> dict[str, list[float]]:
+def _table(levels: list[float], totals: list[ModelEnergy]) -> dict[str, list[float]]:
     return {
         "acceleration": levels,
         "W_T": [total.total for total in totals],
@@ -242,7 +249,7 @@ def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, l
     drive, filling, window = condition.drive, nominal(condition.scene, rig), _window(condition)
 
     def tier(level: float, cycles: tuple[int, int]) -> SlugTotal:
-        return slug_tier(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
+        return slug_variant(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
 
     levels = [drive.acceleration * level for level in SLUG_LEVELS]
     set_level = len(levels) // 2
@@ -272,7 +279,7 @@ def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal) -> Predic
     )
 
 
-def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Prediction:
+def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) -> Prediction:
     scene, drive = condition.scene, condition.drive
     velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
     has_grains = scene.bed in ("layers", "locked")
@@ -285,7 +292,7 @@ def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Pre
         W_f=total.friction,
         W_c=total.collision,
         W_T=total.total,
-        W_T_paper=paper_tier(scene, rig, velocity),
+        W_T_paper=as_printed_variant(scene, rig, velocity),
         bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
         period=total.period,
         periodic_share=total.periodic_share,

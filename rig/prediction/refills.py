@@ -18,7 +18,7 @@ from daq.random_streams import stream
 from rig.beds.janssen_stack import Filling, layer_count, mobile_share, stack
 from rig.catalog.entries import Rig
 from rig.errors import InputError
-from rig.prediction.model import SLUG_AVERAGE, slug_tier
+from rig.prediction.model import SLUG_AVERAGE, slug_variant
 from rig.protocol.spec import Condition
 from rig.theory.friction import slip_distance
 from rig.theory.total import TooManyEvents, layer_energies
@@ -101,7 +101,7 @@ def _slugs(condition: Condition, rig: Rig) -> Array:
     scene, drive = condition.scene, condition.drive
     packed, _ = _deviates(stream(SEED, "refills"))
     beds = (Filling(rig.packing_shaken * (1.0 + rig.refill_packing * float(z)), 1.0) for z in packed)
-    found = (slug_tier(scene, rig, bed, drive.acceleration, drive.frequency, *SLUG_AVERAGE) for bed in beds)
+    found = (slug_variant(scene, rig, bed, drive.acceleration, drive.frequency, *SLUG_AVERAGE) for bed in beds)
     return np.array([one.total.total for one in found])
 
 

@@ -16,7 +16,7 @@ from rig.beds.janssen_stack import Filling, Stack, nominal, stack
 from rig.catalog.entries import Rig
 from rig.drive.losses import AIR_DENSITY, AIR_VISCOSITY
 from rig.drive.waveform import Waveform, viscous_energy
-from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.slip_moments import slip_moments
 from rig.kernels.waveform import crossings, extrema
 from rig.protocol.spec import Scene
@@ -85,5 +85,5 @@ def _moments(bed: Stack, motion: Waveform) -> tuple[float, float, float]:
     play = bed.play[flowing] / motion.length_unit
     if play.size == 0:
         return 0.0, 0.0, 0.0
-    rows = Rows(np.repeat(flowing, play.shape[1]), play.ravel(), bed.restitution, band, found.tables)
+    rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), bed.restitution, band, found.tables)
     return slip_moments(rows, P, Q)

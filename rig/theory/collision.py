@@ -57,7 +57,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class AfterCollision:
     """State after the hit.
 
     velocity1, velocity2 : m/s
@@ -146,7 +146,7 @@ def pair_loss(mass1: ArrayLike, mass2: ArrayLike, restitution: ArrayLike, approa
     return 0.5 * reduced_mass(mass1, mass2) * (1.0 - e) * (1.0 + e) * _floats(approach) ** 2
 
 
-def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) -> Outcome:
+def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) -> AfterCollision:
     """Return the state after the hit of every pair (eqs 8, 10, 11 corrected).
 
     normal : unit vector from body 1 to body 2, shape (pairs, 3); zero (see `normals`) for a pair
@@ -194,7 +194,7 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
         torque = np.cross(n, impulse)
         turned1 = spin1 - _over(torque, 0.4 * m1 * r1)
         turned2 = spin2 - _over(torque, 0.4 * m2 * r2)
-    return Outcome(
+    return AfterCollision(
         velocity1=v1 - _over(impulse, m1),
         velocity2=v2 + _over(impulse, m2),
         spin1=turned1,

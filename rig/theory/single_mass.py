@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from rig.kernels.single_mass.flight import LATE, LOW
-from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, Steady, steady
+from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, MeanCycle, steady
 from rig.kernels.single_mass.one_cycle import State, World, world
 from rig.kernels.waveform import Array
-from rig.theory.total import TooManyEvents, Total, plastic_bound
+from rig.theory.total import ModelEnergy, TooManyEvents, plastic_bound
 
 
 @dataclass(frozen=True)
-class Slug:
+class SingleMass:
     """A single mass in a box, SI units.
 
     low, high : positions of the walls along the axis, m, infinite if there is none
@@ -68,14 +68,14 @@ class SlugTotal:
     error : relative standard error of the mean, 0 for a periodic orbit
     """
 
-    total: Total
+    total: ModelEnergy
     bound: float
     moves: bool
     error: float
 
 
 def slug_total(
-    slug: Slug, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
+    slug: SingleMass, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
     window: tuple[int, int] | None = None,
 ) -> SlugTotal:  # fmt: skip
     """Return the energy per cycle of a single mass on an exact sine of peak `acceleration` (m/s^2),
@@ -95,7 +95,7 @@ def slug_total(
     unit = slug.mass * velocity**2
     taken = found.friction + found.collision
     return SlugTotal(
-        total=Total(
+        total=ModelEnergy(
             unit * found.friction,
             unit * found.collision,
             found.period,
@@ -108,7 +108,7 @@ def slug_total(
     )
 
 
-def bound(slug: Slug, velocity: float, frequency: float, found: Steady) -> float:
+def bound(slug: SingleMass, velocity: float, frequency: float, found: MeanCycle) -> float:
     """Return the upper bound of the energy per cycle at a box velocity amplitude (m/s), J.
 
     m g V/f if gravity acts and no lid is hit: the mean contact force is m g and never negative, and

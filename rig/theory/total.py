@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.kernels.rows.many_rows import LONGEST_SPAN, steady_and_window, steady_energy
-from rig.kernels.rows.one_row import MAX_EVENTS, Rows
+from rig.kernels.rows.one_row import MAX_EVENTS, RowSet
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 
@@ -25,7 +25,7 @@ W_T off, 448 are within 0.02 % of 4096 on the shipped protocols (tests/physics/t
 
 
 @dataclass(frozen=True)
-class Total:
+class ModelEnergy:
     """Energy per cycle of the event-resolved model (closed tier), J.
 
     period : longest period of a sliding row in cycles of the drive, 0 if any row has none
@@ -52,7 +52,7 @@ class TooManyEvents(ArithmeticError):
     """
 
 
-def paper_collision(
+def as_printed_collision(
     layer_mass: float, grains: int, restitution: float, restitution_wall: float, wall_velocity: float
 ) -> float:
     """Return W_c of the model as printed, J per cycle: one layer of chains per struck wall, two
@@ -76,7 +76,9 @@ def plastic_bound(mass: float, velocity: float, row_restitution: float) -> float
     return 4.0 * mass * velocity**2 * (1.0 + row_restitution) / (1.0 - row_restitution)
 
 
-def sliding_rows(threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float) -> Rows:
+def sliding_rows(
+    threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float
+) -> RowSet:
     """Return the rows that slide on an exact sine of peak `acceleration`, in units of that sine.
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
@@ -87,7 +89,7 @@ def sliding_rows(threshold: Array, play: Array, row_restitution: float, accelera
     band = threshold[flowing] / acceleration
     free = (play[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
     layer = np.repeat(np.arange(band.size), play.shape[1])
-    return Rows(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
+    return RowSet(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
 
 
 def layer_energies(
@@ -100,7 +102,7 @@ def layer_energies(
     averaged_cycles: int,
 ) -> Array:
     """Return the energy per cycle of each row, J, shape (layers, rows); arguments as for
-    `closed_tier`. Raises TooManyEvents.
+    `layers_total`. Raises TooManyEvents.
     """
     energy = np.zeros(play.shape)
     rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
@@ -123,7 +125,7 @@ def _refuse(period: NDArray[np.int64]) -> None:
         raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
 
 
-def closed_tier(
+def layers_total(
     threshold: Array,
     play: Array,
     row_mass: float,
@@ -132,7 +134,7 @@ def closed_tier(
     frequency: float,
     averaged_cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
-) -> Total:
+) -> ModelEnergy:
     """Return the energy per cycle of independent rows on an exact sine, in their steady state
     (closed tier).
 
@@ -146,7 +148,7 @@ def closed_tier(
     """
     rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
     if rows.play.size == 0:
-        return Total(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
+        return ModelEnergy(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
     friction, collision, period, seen = steady_and_window(
         rows, np.ones(1), np.zeros(1), averaged_cycles, window or (0, 0)
     )
@@ -154,7 +156,7 @@ def closed_tier(
     unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
     each = friction + collision
     taken = float(each.sum())
-    return Total(
+    return ModelEnergy(
         friction=float(unit * friction.sum()),
         collision=float(unit * collision.sum()),
         period=int(period.max()) if (period > 0).all() else 0,

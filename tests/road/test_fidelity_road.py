@@ -25,7 +25,7 @@ from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
 from rig.prediction.forecast import forecast
-from rig.prediction.model import closed
+from rig.prediction.model import layers_variant
 from rig.protocol.load import dump_protocol, load_protocol
 from rig.stand.force_peaks import use_of
 from rig.stand.prescribed import Stand
@@ -58,7 +58,7 @@ def resolved_energies(made: Campaign) -> list[float]:
     for condition in made.conditions:
         scene = with_rows(condition.scene, resolved_rows(condition.scene))
         bed, drive = stack(scene, made.rig, nominal(scene, made.rig)), condition.drive
-        found.append(closed(scene, bed, drive.acceleration, drive.frequency, 4096).total)
+        found.append(layers_variant(scene, bed, drive.acceleration, drive.frequency, 4096).total)
     return found
 
 
@@ -107,7 +107,9 @@ def test_the_mean_over_poured_runs_is_within_the_tolerance(
         for condition, found in zip(made.conditions, report["conditions"], strict=True):
             scene, drive = side_by_side(condition.scene), condition.drive
             true = np.mean([
-                closed(scene, stack(scene, made.rig, made.filling(one, scene)), drive.acceleration, 20.0, 1024).total
+                layers_variant(
+                    scene, stack(scene, made.rig, made.filling(one, scene)), drive.acceleration, 20.0, 1024
+                ).total
                 for one in made.runs if one.condition.id == condition.id
             ])  # fmt: skip
             errors.append((found["W_exp"] / float(true) - 1.0) / tolerance)

@@ -13,7 +13,7 @@ from rig.beds.rigid import DashpotBed, LockedBed
 from rig.beds.single_mass import SlugBed
 from rig.benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
-from rig.theory.single_mass import Slug
+from rig.theory.single_mass import SingleMass
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,8 @@ def slug(gap: float, weight: float, friction: float, restitution: float, motion:
     """A slug of 1 kg: gap in amplitudes, weight and friction in levels."""
     low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
     return SlugBed(
-        Slug(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0), Sampling(motion, 8.0)
+        SingleMass(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0),
+        Sampling(motion, 8.0),
     )
 
 

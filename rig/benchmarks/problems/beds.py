@@ -16,7 +16,7 @@ from rig.benchmarks.problems.sliders import Slider
 from rig.benchmarks.timing import interleaved, peak_memory, ratios, spread
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import closed, paper_tier
+from rig.prediction.model import as_printed_variant, layers_variant
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition
@@ -40,7 +40,7 @@ class StandardBed:
     def energy(self, cycles: int = AVERAGE) -> float:
         """Closed tier, J per cycle; rows without a period averaged over `cycles`."""
         drive = self.condition.drive
-        return closed(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
+        return layers_variant(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
 
 
 @lru_cache
@@ -96,7 +96,7 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     reference = bed(level, many).energy(long)
     omega = 2.0 * np.pi * bed(level).condition.drive.frequency
     calls: dict[str, tuple[Callable[[], float], int]] = {
-        "paper tier": (partial(paper_tier, bed(level).condition.scene, bed(level).rig, level / omega), 0)
+        "paper tier": (partial(as_printed_variant, bed(level).condition.scene, bed(level).rig, level / omega), 0)
     }
     for rows in (2, 8, 37):
         calls[f"closed tier, {rows} rows"] = (bed(level, rows).energy, rows)

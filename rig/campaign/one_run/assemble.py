@@ -9,9 +9,9 @@ from daq.chain.frontend import FILTER_DELAY, FrontEnd
 from daq.chain.source import PhysicalSource
 from daq.chain.transducer import Transduced
 from rig.campaign.campaign import LEVEL_OF, Campaign
-from rig.campaign.one_run.deliberate_errors import seen
+from rig.campaign.one_run.deliberate_errors import with_signal_error
 from rig.campaign.one_run.faults import with_faults
-from rig.campaign.one_run.loop_back import LoopBack, inputs_alone
+from rig.campaign.one_run.loop_back import LoopBackSource, inputs_alone
 from rig.campaign.one_run.part import Part
 from rig.campaign.one_run.prescribed_run import PrescribedRun
 from rig.campaign.one_run.record_start import Beginning
@@ -38,9 +38,9 @@ def assemble(campaign: Campaign, run: Run) -> Iterator[Part]:
     # The input of the instruments: the stand's signals or, in a loop-back, one voltage at all
     # inputs.
     if condition.scene.bed == LOOP_BACK:
-        source, tools = LoopBack(source, tools, condition.drive.frequency, size.rate), inputs_alone(tools)
+        source, tools = LoopBackSource(source, tools, condition.drive.frequency, size.rate), inputs_alone(tools)
     if isinstance(stand, PrescribedRun):
-        source = seen(source, protocol.mistake, condition, campaign.rig, stand.motion)
+        source = with_signal_error(source, protocol.mistake, condition, campaign.rig, stand.motion)
 
     # Transducers and conditioning convert it to volts, the front end to codes.
     noise = [random_stream(campaign, run, channel.name) for channel in tools.channels]

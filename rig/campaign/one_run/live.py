@@ -17,7 +17,7 @@ from daq.session.record import Record
 
 
 @dataclass(frozen=True)
-class Look:
+class LiveUpdate:
     """State after a block has been recorded.
 
     levels : largest magnitude in the block as a fraction of the range, by channel
@@ -45,7 +45,7 @@ class Watcher:
     runs in progress.
     """
 
-    def __init__(self, record: Record, tell: Callable[[Look], None]) -> None:
+    def __init__(self, record: Record, tell: Callable[[LiveUpdate], None]) -> None:
         self._record, self._tell = record, tell
         self._channels = tuple(record.channels.values())
         self._online: dict[str, Online | None] = {}
@@ -60,7 +60,7 @@ class Watcher:
         peaks = np.abs(block.codes.astype(np.int64)).max(axis=1)
         end = block.start + block.count
         self._tell(
-            Look(
+            LiveUpdate(
                 run=name,
                 condition=run.condition,
                 samples=end,

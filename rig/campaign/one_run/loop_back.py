@@ -27,7 +27,7 @@ def inputs_alone(tools: Instruments) -> Instruments:
     )
 
 
-class LoopBack:
+class LoopBackSource:
     """A physical source in V: a sine of the drive's frequency from the analyzer's own generator at
     every input.
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from analysis.results.run import RunEnergy
     from daq.session.record import Record
     from daq.session.writer import Recorder
-    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.live import LiveUpdate
 
 
 @dataclass(frozen=True)
@@ -74,17 +74,17 @@ class Analysis:
 
 
 def record_parts(
-    recorder: "Recorder", parts: Iterable[Part], watch: Watch, look: "Callable[[Look], None] | None" = None
+    recorder: "Recorder", parts: Iterable[Part], watch: Watch, live: "Callable[[LiveUpdate], None] | None" = None
 ) -> "dict[str, RunEnergy]":
     """Write parts, each run's in order, and return the energies by run name, as read back from the
     record.
 
-    watch : called after every run; look : called after every block
+    watch : called after every run; live : called after every block
     """
     from rig.campaign.one_run.live import Watcher
 
     cycles: dict[str, int] = {}
-    watcher = None if look is None else Watcher(recorder.record(), look)
+    watcher = None if live is None else Watcher(recorder.record(), live)
     reader = Analysis(recorder.record(), watch, len(recorder.completed()))
     for part in parts:
         recorder.append(part.run, part.block)

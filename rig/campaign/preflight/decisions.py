@@ -84,22 +84,24 @@ def decisions(
     by_name = {channel.name: channel for channel in channels}
 
     @cache
-    def told(n: int) -> list[list[dict[str, Any]]]:
+    def entries_of(n: int) -> list[list[dict[str, Any]]]:
         """The report's entries of all claims, of each drawn session of n repeats."""
         streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
         return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
 
-    return [_decision(place, claim["claim"], told, repeats) for place, claim in enumerate(claims)]
+    return [_decision(place, claim["claim"], entries_of, repeats) for place, claim in enumerate(claims)]
 
 
-def _decision(place: int, claim: str, told: Callable[[int], list[list[dict[str, Any]]]], repeats: int) -> Decision:
-    """Return the forecast of the claim at a place; `told` returns the entries of all claims by
+def _decision(
+    place: int, claim: str, entries_of: Callable[[int], list[list[dict[str, Any]]]], repeats: int
+) -> Decision:
+    """Return the forecast of the claim at a place; `entries_of` returns the entries of all claims by
     session.
     """
 
     def leading(n: int) -> tuple[str, float, float]:
         """The most frequent verdict with its share of the sessions, and the share that are decided."""
-        found = [session[place]["verdict"] for session in told(n)]
+        found = [session[place]["verdict"] for session in entries_of(n)]
         verdict, count = Counter(found).most_common(1)[0]
         return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)
 
@@ -109,7 +111,7 @@ def _decision(place: int, claim: str, told: Callable[[int], list[list[dict[str, 
         needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
     verdict, share, _ = leading(repeats)
     shown = repeats if needed is not None and needed <= repeats else needed or MOST
-    row = next(session[place] for session in told(shown) if session[place]["verdict"] == leading(shown)[0])
+    row = next(session[place] for session in entries_of(shown) if session[place]["verdict"] == leading(shown)[0])
     return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row["found"], row["why"])
 
 

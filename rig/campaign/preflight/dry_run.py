@@ -29,7 +29,7 @@ HELD = 16
 
 
 @dataclass(frozen=True)
-class Look:
+class DryRun:
     """Results of a dry run, without instruments.
 
     exciter : utilisation of the exciter
@@ -53,7 +53,7 @@ class Look:
     stopped: str = ""
 
 
-def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
+def dry_run_prescribed(campaign: Campaign, condition: Condition, rate: float) -> DryRun:
     """Run a condition in its exact prescribed motion; the exciter is solved backwards.
 
     Under `fidelity: auto`, peaks that exceed a limit are those of all rows, as in its runs.
@@ -73,7 +73,7 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
         more = use_of(rig, steady(Stand(full, rig, motion, nominal(full, rig), rate)))
     if more is not None and condition.id in campaign.choices:
         use, more = with_peaks_of(use, more), None
-    return Look(
+    return DryRun(
         exciter=use,
         side_by_side=more,
         lost=_lost(rows[2 * len(rows) // 3 :]),
@@ -85,7 +85,7 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
     )
 
 
-def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
+def dry_run_coupled(campaign: Campaign, condition: Condition, rate: float) -> DryRun:
     """Run the dwell of a condition with the bed of its first run until its level is held, plus
     `HELD` cycles.
 
@@ -116,7 +116,7 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     recorded = _within(last if swept else signals[:2], rate, PASS_BAND * rate / OVERSAMPLING)
     scalars = dwelling.scalars()
     level = abs(acceleration)
-    return Look(
+    return DryRun(
         exciter=dwelling.demand,
         side_by_side=None,
         lost=_lost(rows[: 1 if swept else HELD][0 if swept else HELD // 2 :]),

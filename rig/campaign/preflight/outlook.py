@@ -18,7 +18,7 @@ from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
 from rig.campaign.preflight.decisions import Decision, Expected, decisions
-from rig.campaign.preflight.dry_run import Look, look_coupled, look_servo
+from rig.campaign.preflight.dry_run import DryRun, dry_run_coupled, dry_run_prescribed
 from rig.drive.exciter_limits import Demand
 from rig.prediction.document import condition_facts, has_level, prediction_document
 from rig.prediction.forecast import forecast
@@ -143,20 +143,20 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     """
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     rate = campaign.lengths[condition.id].rate
-    look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
+    dry = (dry_run_coupled if drive.mode == "coupled" else dry_run_prescribed)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
-    reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
+    reactive = np.pi * dry.mass * (dry.level / (2.0 * np.pi * drive.frequency)) ** 2
     ahead = forecast(condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id))
     point, refills = ahead.point, ahead.refills
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
-    U, difference, needed = _plan(campaign, condition, channels, look, float(reactive), scatter)
+    U, difference, needed = _plan(campaign, condition, channels, dry, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
     entry: dict[str, Any] | None = None
     if has_level(condition):
         document = prediction_document({condition.id: (point, ahead.table)}, {condition.id: refills})
         entry = document["conditions"][condition.id]
     expected = Expected(
-        condition_facts(condition, rig, point, rate), look.lost, look.mass, look.level, entry, samples, refills
+        condition_facts(condition, rig, point, rate), dry.lost, dry.mass, dry.level, entry, samples, refills
     )
     return Outlook(
         id=condition.id,
@@ -167,18 +167,18 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         frequency=drive.frequency,
         acceleration=drive.acceleration,
         samples_per_cycle=rate / drive.frequency,
-        exciter=look.exciter,
-        side_by_side=look.side_by_side,
-        range_force=_range_use(channels[0], look.force),
-        range_acceleration=_range_use(channels[1], look.acceleration),
+        exciter=dry.exciter,
+        side_by_side=dry.side_by_side,
+        range_force=_range_use(channels[0], dry.force),
+        range_acceleration=_range_use(channels[1], dry.acceleration),
         W_T=point.W_T,
-        W_exp=look.lost,
+        W_exp=dry.lost,
         U_W_exp=U,
         W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
         smallest_difference=difference,
         repeats_needed=needed,
-        seconds_per_cycle=look.seconds,
-        stopped=look.stopped,
+        seconds_per_cycle=dry.seconds,
+        stopped=dry.stopped,
         expected=None if drive.sweep_to is not None else expected,
     )
 
@@ -187,7 +187,7 @@ def _plan(
     campaign: Campaign,
     condition: Condition,
     channels: tuple[ChannelInfo, ...],
-    look: Look,
+    dry: DryRun,
     reactive: float,
     s: float,
 ) -> tuple[float | None, float | None, int | None]:
@@ -197,12 +197,12 @@ def _plan(
     The first two are None if one run shows no scatter. s : standard deviation of W between refills,
     J
     """
-    n, W = campaign.protocol.repeats.n, look.lost
+    n, W = campaign.protocol.repeats.n, dry.lost
     frequency, rate = condition.drive.frequency, campaign.lengths[condition.id].rate
     force, acceleration = channels[:2]
     # Amplitudes of force and acceleration: the force has a part in phase (mass) and one in
     # quadrature (W).
-    tops = float(np.hypot(look.mass * look.level, W * 4.0 * np.pi * frequency**2 / max(look.level, 1e-12))), look.level
+    tops = float(np.hypot(dry.mass * dry.level, W * 4.0 * np.pi * frequency**2 / max(dry.level, 1e-12))), dry.level
     lines = (
         *certificate_lines(force, acceleration, frequency, W, reactive, amplitudes=tops),
         *resolution_lines(W, reactive),

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.rows.pages import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, total
+from rig.kernels.rows.tiles import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, total
 from rig.kernels.waveform import Array, Ints
 
 NEWTON = 100
@@ -68,7 +68,7 @@ class Pull(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def impulses(V: float, time: float, pages: Array, rows: np.uint64, tally: Ints, lanes: Array) -> tuple[float, int]:
+def impulses(V: float, time: float, tiles: Array, rows: np.uint64, tally: Ints, lanes: Array) -> tuple[float, int]:
     """Fill `P` with the impulse per unit mass on each row for a trial box velocity V at the end of
     the step. Returns (sum of impulses, number of sticking rows).
 
@@ -78,16 +78,16 @@ def impulses(V: float, time: float, pages: Array, rows: np.uint64, tally: Ints, 
     held = 0
     clear(lanes)
     for begin in range(np.uint64(0), rows, CHUNK):
-        page, holds = begin * FIELDS, 0
+        tile, holds = begin * FIELDS, 0
         for j in range(np.uint64(0), min(CHUNK, rows - begin)):
-            i = page + j
-            d = V - pages[i + W]
-            least, most = pages[i + LO] * time, pages[i + HI] * time
+            i = tile + j
+            d = V - tiles[i + W]
+            least, most = tiles[i + LO] * time, tiles[i + HI] * time
             # A row sticks (c = d: it reaches the box velocity) unless that exceeds its friction
             # limits.
             c = least if d < least else d
             c = most if c > most else c
-            pages[i + P] = c
+            tiles[i + P] = c
             lanes[j] += c
             holds += 1 if c == d else 0
         tally[HELD, begin // CHUNK] = holds
@@ -114,7 +114,7 @@ def other_impulse(V: float, start: float, speed: float, time: float, on: Pull) -
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def turn(V: float, start: float, time: float, pages: Array, rows: np.uint64, lanes: Array) -> float:
+def turn(V: float, start: float, time: float, tiles: Array, rows: np.uint64, lanes: Array) -> float:
     """Correct the friction impulse of rows whose slip reverses within the step. Returns the change
     of the sum, per mass.
 
@@ -127,31 +127,31 @@ def turn(V: float, start: float, time: float, pages: Array, rows: np.uint64, lan
     change, a = 0.0, (V - start) / time
     fast, toward = abs(a), math.copysign(1.0, a)
     for begin in range(np.uint64(0), rows, CHUNK):
-        page, here, turned = begin * FIELDS, min(CHUNK, rows - begin), 0
+        tile, here, turned = begin * FIELDS, min(CHUNK, rows - begin), 0
         for j in range(np.uint64(0), here):
-            i = page + j
-            w = pages[i + W]
+            i = tile + j
+            w = tiles[i + W]
             # Count first: reversals are rare, and most tiles need no second pass.
-            turned += 1 if ((start - w) * (V - w - pages[i + P]) <= 0.0) & (fast > pages[i + BAND]) else 0
+            turned += 1 if ((start - w) * (V - w - tiles[i + P]) <= 0.0) & (fast > tiles[i + BAND]) else 0
         if turned == 0:
             continue
         clear(lanes)
         for j in range(np.uint64(0), here):
-            i = page + j
-            w, p, band = pages[i + W], pages[i + P], pages[i + BAND]
+            i = tile + j
+            w, p, band = tiles[i + W], tiles[i + P], tiles[i + BAND]
             z = start - w
             turns = (z * (V - w - p) <= 0.0) & (fast > band) & (abs(p) <= band * time)
             friction = toward * band * (time - 2.0 * abs(z) / (band + fast))
             friction = friction if turns & (abs(friction) <= abs(p)) else p
             lanes[j] = friction - p
-            pages[i + P] = friction
+            tiles[i + P] = friction
         change += total(lanes)
     return change
 
 
 @njit(cache=True, nogil=True)
 def end_velocity(
-    V: float, start: float, free: float, gain: float, time: float, on: Pull, pages: Array, rows: np.uint64,
+    V: float, start: float, free: float, gain: float, time: float, on: Pull, tiles: Array, rows: np.uint64,
     steady: float, tally: Ints, lanes: Array,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Solve for the box velocity at the end of a step, starting from the guess V.
@@ -165,7 +165,7 @@ def end_velocity(
     given, air, guide, fall = 0.0, 0.0, 0.0, on.pull * time
     speed = 0.5 * abs(start + V)
     for _ in range(NEWTON):
-        taken, count = impulses(V - fall, time, pages, rows, tally, lanes)
+        taken, count = impulses(V - fall, time, tiles, rows, tally, lanes)
         air, guide, preload, slope = other_impulse(V, start, speed, time, on)
         given = on.row_mass * taken + steady * time + air + guide + preload
         # Momentum balance of the box; it rises with V with a slope of at least 1, so its root is
@@ -185,13 +185,13 @@ def end_velocity(
         if better == V:
             break
         V = better
-    given += on.row_mass * turn(V - fall, start, time, pages, rows, lanes)
+    given += on.row_mass * turn(V - fall, start, time, tiles, rows, lanes)
     return V, given, air, guide
 
 
 @njit(cache=True, nogil=True)
 def next_walls(
-    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, pages: Array,
+    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, tiles: Array,
     rows: np.uint64, who: Ints, room: Array,
 ) -> tuple[int, float]:  # fmt: skip
     """Return the number of rows that will pass a wall within the next intervals at their present
@@ -208,26 +208,26 @@ def next_walls(
     half, fall = 0.5 * time * time * per_time, 0.5 * time * time * pull - path[steps]
     count, first = 0, math.inf
     for begin in range(np.uint64(0), rows, CHUNK):
-        page, here, beyond = begin * FIELDS, min(CHUNK, rows - begin), 0
+        tile, here, beyond = begin * FIELDS, min(CHUNK, rows - begin), 0
         for j in range(np.uint64(0), here):
-            i = page + j
-            place = pages[i + U] + pages[i + W] * time + half * pages[i + P] + fall
+            i = tile + j
+            place = tiles[i + U] + tiles[i + W] * time + half * tiles[i + P] + fall
             room[j] = place
             # An infinite limit marks a row that already leans on that wall.
-            low = (place < -depth) & (pages[i + HI] < math.inf)
-            far = (place > pages[i + PLAY] + depth) & (pages[i + LO] > -math.inf)
+            low = (place < -depth) & (tiles[i + HI] < math.inf)
+            far = (place > tiles[i + PLAY] + depth) & (tiles[i + LO] > -math.inf)
             beyond += 1 if low | far else 0
         if beyond == 0:
             continue
         for j in range(np.uint64(0), here):
-            i, place = page + j, room[j]
-            if -depth <= place <= pages[i + PLAY] + depth:
+            i, place = tile + j, room[j]
+            if -depth <= place <= tiles[i + PLAY] + depth:
                 continue
             low = place < 0.0
-            if (pages[i + HI] if low else -pages[i + LO]) == math.inf:
+            if (tiles[i + HI] if low else -tiles[i + LO]) == math.inf:
                 continue
-            a = pages[i + P] * per_time + pull
-            t = _crossing(pages[i + W], a, pages[i + U], pages[i + PLAY], low, interval, steps, path)
+            a = tiles[i + P] * per_time + pull
+            t = _crossing(tiles[i + W], a, tiles[i + U], tiles[i + PLAY], low, interval, steps, path)
             who[count] = np.int64(i) if low else -1 - np.int64(i)
             count += 1
             first = min(first, t)
@@ -252,7 +252,7 @@ def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: fl
 
 @njit(cache=True, nogil=True)
 def carry(
-    a: float, start: float, time: float, part: float, moved: float, on: Pull, pages: Array, rows: np.uint64,
+    a: float, start: float, time: float, part: float, moved: float, on: Pull, tiles: Array, rows: np.uint64,
     tally: Ints, lanes: Array, settle: bool,
 ) -> tuple[float, float]:  # fmt: skip
     """Move the rows through the first `part` (s) of a step of `time` (s).
@@ -269,20 +269,20 @@ def carry(
     heat, pushed, ways = lanes[0], lanes[1], lanes[2]
     clear(heat)
     for begin in range(np.uint64(0), rows, CHUNK):
-        page, here = begin * FIELDS, min(CHUNK, rows - begin)
+        tile, here = begin * FIELDS, min(CHUNK, rows - begin)
         for j in range(np.uint64(0), here):
-            i = page + j
-            p, w = pages[i + P], pages[i + W]
+            i = tile + j
+            p, w = tiles[i + P], tiles[i + W]
             speed = (p * per_time + pull) * part
             way = moved - (w * part + 0.5 * speed * part)
             ways[j] = way
             heat[j] += p * way
-            pages[i + U] -= way
-            pages[i + W] = w + speed
+            tiles[i + U] -= way
+            tiles[i + W] = w + speed
         if settle and tally[HELD, begin // CHUNK]:
-            _settle(a, start, time, pull * part, pages, page, here, ways)
+            _settle(a, start, time, pull * part, tiles, tile, here, ways)
         if tally[LEANING, begin // CHUNK]:
-            work, still = _lean(time, pull * time, pages, page, here, ways, heat, pushed)
+            work, still = _lean(time, pull * time, tiles, tile, here, ways, heat, pushed)
             leant += work
             tally[LEANING, begin // CHUNK] = still
     return on.row_mass * total(heat) * per_time, on.row_mass * leant * per_time
@@ -290,7 +290,7 @@ def carry(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _settle(
-    a: float, start: float, time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array
+    a: float, start: float, time: float, fall: float, tiles: Array, tile: np.uint64, here: np.uint64, ways: Array
 ) -> None:
     """Correct the displacements of rows that come to rest in the box within a step: z t/2, with t =
     |z|/(band - a sign z).
@@ -299,20 +299,20 @@ def _settle(
     step.
     """
     for j in range(np.uint64(0), here):
-        i = page + j
-        p, limit, way = pages[i + P], pages[i + BAND], ways[j]
-        z = start - (pages[i + W] - (p + fall))
+        i = tile + j
+        p, limit, way = tiles[i + P], tiles[i + BAND], ways[j]
+        z = start - (tiles[i + W] - (p + fall))
         slows = limit - (a if z > 0.0 else -a)
         rests = (abs(p) < limit * time) & (abs(z) < slows * time) & (abs(a) < limit)
         short = 0.5 * z * abs(z) / slows
         short = short if rests else way
-        pages[i + U] += way - short
+        tiles[i + U] += way - short
         ways[j] = short
 
 
 @njit(cache=True, nogil=True)
 def _lean(
-    time: float, fall: float, pages: Array, page: np.uint64, here: np.uint64, ways: Array, heat: Array, lanes: Array
+    time: float, fall: float, tiles: Array, tile: np.uint64, here: np.uint64, ways: Array, heat: Array, lanes: Array
 ) -> tuple[float, int]:  # fmt: skip
     """Keep rows that lean on a wall in place unless they slide off.
 
@@ -323,9 +323,9 @@ def _lean(
     clear(lanes)
     still = 0
     for j in range(np.uint64(0), here):
-        i = page + j
-        least, most, p, way = pages[i + LO], pages[i + HI], pages[i + P], ways[j]
-        rub, place, room = pages[i + BAND], pages[i + U], pages[i + PLAY]
+        i = tile + j
+        least, most, p, way = tiles[i + LO], tiles[i + HI], tiles[i + P], ways[j]
+        rub, place, room = tiles[i + BAND], tiles[i + U], tiles[i + PLAY]
         stays = (most - least == math.inf) & (p != least * time) & (p != most * time)
         kept = way if stays else 0.0
         lanes[j] = (p - min(max(p, -rub * time), rub * time)) * way + fall * kept
@@ -335,14 +335,14 @@ def _lean(
         near = NEAR * min(room, NEARBY)
         most = rub if place > near else most
         least = -rub if room - place > near else least
-        pages[i + U], pages[i + HI], pages[i + LO] = place, most, least
+        tiles[i + U], tiles[i + HI], tiles[i + LO] = place, most, least
         still += 1 if most - least == math.inf else 0
     return total(lanes), still
 
 
 @njit(cache=True, nogil=True)
 def collide(
-    V: float, interval: float, threshold: float, on: Pull, count: int, who: Ints, pages: Array,
+    V: float, interval: float, threshold: float, on: Pull, count: int, who: Ints, tiles: Array,
     tally: Ints,
 ) -> tuple[float, float]:  # fmt: skip
     """Compute the impacts at an edge. Returns (box velocity after them, energy lost, J).
@@ -357,10 +357,10 @@ def collide(
     for k in range(count):
         low = who[k] >= 0
         i = np.uint64(who[k] if low else -1 - who[k])
-        u, w = pages[i + U], pages[i + W]
+        u, w = tiles[i + U], tiles[i + W]
         s = 1.0 if low else -1.0
         closing = s * (V - w)
-        gap = u if low else pages[i + PLAY] - u
+        gap = u if low else tiles[i + PLAY] - u
         if closing <= 0.0 or gap > WINDOW * interval * closing:
             continue
         back = on.restitution * closing
@@ -369,16 +369,16 @@ def collide(
         # Loss of a pair, m_r (1 - e^2) w^2/2 with the reduced mass of row and box.
         lost += 0.5 * reduced * (closing * closing - back * back)
         V -= s * share * (closing + back)
-        pages[i + W] = V + s * back
+        tiles[i + W] = V + s * back
         away = -gap / closing * back
-        place = away if low else pages[i + PLAY] - away
+        place = away if low else tiles[i + PLAY] - away
         # Moving the row changes its potential energy: booked here, so that the ledger closes.
         lost += m * on.pull * (place - u)
-        pages[i + U] = place
+        tiles[i + U] = place
         if back == 0.0:
             tally[LEANING, i // (CHUNK * FIELDS)] = 1
             if low:
-                pages[i + HI] = math.inf
+                tiles[i + HI] = math.inf
             else:
-                pages[i + LO] = -math.inf
+                tiles[i + LO] = -math.inf
     return V, lost

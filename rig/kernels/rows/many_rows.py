@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
-from rig.kernels.rows.one_row import Cycle, Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowCycle, RowSet, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 HISTORY = 64
@@ -41,7 +41,7 @@ SAME = 1e-10
 """Distance, in units of the waveform, below which two states are identical."""
 
 
-class Grid(NamedTuple):
+class EdgeGrid(NamedTuple):
     """Sampling edges of whole cycles: edge j lies at phase 2 pi j / per_cycle from the start of the
     motion.
     """
@@ -95,7 +95,7 @@ def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> 
     return 0
 
 
-def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
+def steady_energy(rows: RowSet, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
     """Return the energy per cycle of rows in their steady state, units of the waveform.
 
     Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean
@@ -109,7 +109,7 @@ def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, 
 
 
 def steady_and_window(
-    rows: Rows, P: Array, Q: Array, average: int, window: tuple[int, int]
+    rows: RowSet, P: Array, Q: Array, average: int, window: tuple[int, int]
 ) -> tuple[Array, Array, Ints, Array]:
     """Return the results of `steady_energy`, and each row's mean energy per cycle in a window of
     the same motion.
@@ -190,7 +190,7 @@ def _steady_energy(
 
 
 def follow(
-    grid: Grid, velocity: Array, riding_rows: float, scale: float, rows: Rows, P: Array, Q: Array, memory: Memory
+    grid: EdgeGrid, velocity: Array, riding_rows: float, scale: float, rows: RowSet, P: Array, Q: Array, memory: Memory
 ) -> tuple[Array, Array, int]:
     """Advance rows through the cycles of a grid and return their total momentum, times `scale`, at
     its edges.
@@ -294,7 +294,7 @@ def _look_back(row: Any, now: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _replay(row: Any, events: Any) -> Cycle:
+def _replay(row: Any, events: Any) -> RowCycle:
     """Return the cached cycle for the current position in the period."""
     turn = row.recorded % row.period
     begin = row.offset[turn]
@@ -304,14 +304,14 @@ def _replay(row: Any, events: Any) -> Cycle:
         events.mode[n] = row.event_mode[begin + n]
         events.w[n] = row.w[begin + n]
     row.recorded += 1
-    return Cycle(
+    return RowCycle(
         int(row.after[turn, 0]), row.after[turn, 1], row.after[turn, 2], count,
         row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2], 0,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
-def _store(row: Any, after: Cycle, events: Any) -> None:
+def _store(row: Any, after: RowCycle, events: Any) -> None:
     """Store a cycle of a periodic row; if its events exceed the capacity, the row is simulated from
     then on.
     """

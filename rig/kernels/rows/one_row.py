@@ -43,7 +43,7 @@ wall.
 """
 
 
-class Rows(NamedTuple):
+class RowSet(NamedTuple):
     """Independent rows of unit mass, units of the waveform.
 
     layer, play : layer number and free play of each row, shape (rows,)
@@ -77,7 +77,7 @@ def no_events() -> NDArray[np.void]:
     return np.empty(1, EVENTS)
 
 
-class Cycle(NamedTuple):
+class RowCycle(NamedTuple):
     """A row at the end of a cycle, and the energies of the cycle.
 
     mode : 0 rides with the box, +1 and -1 slide in that direction
@@ -212,7 +212,7 @@ def _thrown(region: int, u: float, play: float) -> int:
 def cycle(
     mode: int, u: float, z: float, band: float, play: float, restitution: float, table: Array, P: Array, Q: Array,
     events: Any,
-) -> Cycle:  # fmt: skip
+) -> RowCycle:  # fmt: skip
     """Advance a row by one cycle of the drive from (mode, u, z); its events are written to
     `events`, a record of `EVENTS`.
 
@@ -236,10 +236,10 @@ def cycle(
             # energy.
             work += 0.5 * (v * v - start_v * start_v)
             if mode == 0:
-                return Cycle(0, u, 0.0, n, work, friction, collision, roots)
+                return RowCycle(0, u, 0.0, n, work, friction, collision, roots)
             start, y, w, start_x = theta, x + u, v, x
             if n >= MAX_EVENTS:
-                return Cycle(mode, u, 0.0, -1, work, friction, collision, roots)
+                return RowCycle(mode, u, 0.0, -1, work, friction, collision, roots)
             events.phase[n], events.mode[n], events.w[n] = theta, mode, w
             n += 1
         s = float(mode)
@@ -282,7 +282,7 @@ def cycle(
         # of the slip.
         work -= s * band * (x - start_x)
         if not hits and not stops:
-            return Cycle(mode, u, w - s * band * t - v, n, work, friction, collision, roots)
+            return RowCycle(mode, u, w - s * band * t - v, n, work, friction, collision, roots)
         back = 0.0
         if hits:
             closing = max(s * (w - v) - band * t, 0.0)
@@ -299,6 +299,6 @@ def cycle(
         w = v - s * back
         start, y, start_x, start_v = theta, x + u, x, v
         if n >= MAX_EVENTS:
-            return Cycle(mode, u, 0.0, -1, work, friction, collision, roots)
+            return RowCycle(mode, u, 0.0, -1, work, friction, collision, roots)
         events.phase[n], events.mode[n], events.w[n] = theta, mode, w
         n += 1

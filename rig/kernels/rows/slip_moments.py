@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import SAME
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 SETTLE = 8
@@ -21,7 +21,7 @@ NODES = 12
 """Gauss points per slide: exact to 1e-9 for a slide of half a cycle."""
 
 
-def slip_moments(rows: Rows, P: Array, Q: Array) -> tuple[float, float, float]:
+def slip_moments(rows: RowSet, P: Array, Q: Array) -> tuple[float, float, float]:
     """Return the integrals of z^2 and |z|^3 over the phase of one cycle, summed over the rows, and
     the largest |z| of any row.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import HISTORY, find_recurrence
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.waveform import Array, Ints
 
 
@@ -32,7 +32,7 @@ class Transient(NamedTuple):
     simulated: int
 
 
-def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
+def transient(rows: RowSet, P: Array, Q: Array, cycles: int) -> Transient:
     """Follow rows through their first `cycles` cycles, more than `HISTORY` of them."""
     return Transient(*_transient(*rows, P, Q, cycles, no_events()))
 

@@ -13,8 +13,20 @@ import numpy as np
 from numba import njit
 
 from rig.kernels.rows.coupled_step import WINDOW, Pull, carry, collide, end_velocity, next_walls
-from rig.kernels.rows.dozing import FARTHEST, FORCE, LEAST_ROWS, SINCE, SLACK, SPAN, again, doze, herd, stays, wake
-from rig.kernels.rows.pages import CHUNK, paged, unpaged
+from rig.kernels.rows.sleeping import (
+    FARTHEST,
+    FORCE,
+    LEAST_ROWS,
+    SINCE,
+    SLACK,
+    SPAN,
+    fall_asleep,
+    population,
+    sleep_again,
+    stays,
+    wake,
+)
+from rig.kernels.rows.tiles import CHUNK, from_tiles, to_tiles
 from rig.kernels.waveform import Array
 
 XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
@@ -294,14 +306,18 @@ def stretch(
     longest, intervals, many, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
-    flock, lanes, who = herd(paged(w, u, lo, hi, band, play), many), np.empty((3, CHUNK)), np.empty(many, np.int64)
-    pages, nap, tally = flock.awake, flock.nap, np.ones((2, many // CHUNK + np.uint64(1)), np.int64)
+    grouped, lanes, who = (
+        population(to_tiles(w, u, lo, hi, band, play), many),
+        np.empty((3, CHUNK)),
+        np.empty(many, np.int64),
+    )
+    tiles, sleep, tally = grouped.awake, grouped.sleep, np.ones((2, many // CHUNK + np.uint64(1)), np.int64)
     ahead = SPAN * longest * h if many >= LEAST_ROWS else math.inf
-    rows = doze(y[X], y[V], ahead, around.pull, many, flock)
+    rows = fall_asleep(y[X], y[V], ahead, around.pull, many, grouped)
     k0, force, per_time = 0, 0.0, 1.0
     while k0 < intervals:
-        if nap[SINCE] + longest * h > ahead * (1.0 + 1e-9) or nap[FARTHEST] > nap[SLACK]:
-            rows, heat = again(y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, flock)
+        if sleep[SINCE] + longest * h > ahead * (1.0 + 1e-9) or sleep[FARTHEST] > sleep[SLACK]:
+            rows, heat = sleep_again(y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, grouped)
             accounts[FRICTION] += around.row_mass * heat
             tally[:] = 1
         steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
@@ -309,14 +325,14 @@ def stretch(
         # Predict with the force of the previous step: it only selects the rows that may hit, not
         # their motion.
         depth = _foreseen(path, steps, force, thrust[kind], moved) * steps * h
-        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, pages, rows, who, lanes[0])
+        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, tiles, rows, who, lanes[0])
         if count:
             steps = min(int(first) + WINDOW, steps)
-        time, steady = steps * h, around.row_mass * nap[FORCE]
+        time, steady = steps * h, around.row_mass * sleep[FORCE]
         start, free, gain = y[V], path[steps, V], thrust[kind, steps, V] / time
         guess = free + gain * time * force
         end, given, air, guide = end_velocity(
-            guess, start, free, gain, time, around, pages, rows, steady, tally, lanes[0]
+            guess, start, free, gain, time, around, tiles, rows, steady, tally, lanes[0]
         )
         force, per_time = -given / time, 1.0 / time
         for k in range(1, steps + 1):
@@ -325,14 +341,14 @@ def stretch(
         stop, after = _within(path, steps, k0, feed, command, on)
         # The box left the bound under which rows sleep: nothing is committed; the loop wakes them
         # and repeats the step.
-        if not stays(path[: stop + 1, V], nap) and rows < many:
+        if not stays(path[: stop + 1, V], sleep) and rows < many:
             continue
-        nap[SINCE] += stop * h
+        sleep[SINCE] += stop * h
         way = path[stop, X] - y[X]
         accounts[AIR] += air / time * way
         accounts[GUIDE] += guide / time * way
         rub, push = carry(
-            (end - start) / time - around.pull, start, time, stop * h, way, around, pages, rows,
+            (end - start) / time - around.pull, start, time, stop * h, way, around, tiles, rows,
             tally, lanes, stop == steps and 2 * steps > longest,
         )  # fmt: skip
         accounts[FRICTION] += rub - push
@@ -343,13 +359,13 @@ def stretch(
             y[s] = path[stop, s]
         if count:
             slow = abs(path[stop, V] - path[stop - 1, V]) + abs(around.pull) * h
-            behind, lost = collide(y[V], h, slow, around, count, who, pages, tally)
+            behind, lost = collide(y[V], h, slow, around, count, who, tiles, tally)
             # An impact at an edge belongs half to each neighbouring interval.
             signals[k0 + stop - 1, SPEED] += 0.5 * (behind - y[V])
             signals[k0 + stop, SPEED] += 0.5 * (behind - y[V])
             accounts[COLLISION] += lost
             y[V] = behind
         k0, feed = k0 + stop, after
-    accounts[FRICTION] += around.row_mass * wake(y[X], 1.0 / per_time, around.pull, many, rows, flock)
-    unpaged(flock.everyone, w, u, lo, hi)
+    accounts[FRICTION] += around.row_mass * wake(y[X], 1.0 / per_time, around.pull, many, rows, grouped)
+    from_tiles(grouped.all_rows, w, u, lo, hi)
     return feed, signals, accounts

@@ -13,7 +13,7 @@ from rig.kernels.borrowed import borrowed
 from rig.kernels.single_mass.one_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
 from rig.kernels.waveform import TWO_PI, Array, Ints
 
-__all__ = ["MAX_EVENTS", "Cycles", "State", "Steady", "World", "follow", "no_events", "run", "steady", "world"]
+__all__ = ["MAX_EVENTS", "MassCycles", "MeanCycle", "State", "World", "follow", "no_events", "run", "steady", "world"]
 
 LOOK_BACK = 512
 """Longest period that is looked for, in cycles of the drive."""
@@ -30,7 +30,7 @@ gives the standard error.
 """
 
 
-class Cycles(NamedTuple):
+class MassCycles(NamedTuple):
     """A mass over several cycles, one line per cycle.
 
     state : mode, q, u at its end, shape (cycles, 3)
@@ -45,9 +45,9 @@ class Cycles(NamedTuple):
     counts: Ints
 
 
-def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> Cycles:
+def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> MassCycles:
     """Follow a mass from a start at phase 0 through whole cycles."""
-    return Cycles(*_run(*start, world, table, P, Q, no_events(), cycles))
+    return MassCycles(*_run(*start, world, table, P, Q, no_events(), cycles))
 
 
 @njit(cache=True, nogil=True)
@@ -70,7 +70,7 @@ def _run(
     return state, energy, count
 
 
-class Steady(NamedTuple):
+class MeanCycle(NamedTuple):
     """Mean cycle of a mass in its steady state.
 
     friction, collision : mean losses per cycle
@@ -119,14 +119,14 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
 def steady(
     start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE,
     window: tuple[int, int] = (0, 0),
-) -> Steady:  # fmt: skip
+) -> MeanCycle:  # fmt: skip
     """Return the mean losses per cycle of a mass that starts at phase 0.
 
     The mean is over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never
     does, over `average` cycles after the first `settle`. window : (first cycle, one past the last)
     of an additional mean.
     """
-    return Steady(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
+    return MeanCycle(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
 
 
 @njit(cache=True, nogil=True)
@@ -177,7 +177,7 @@ def _steady(
 def follow(
     first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, start: State, world: World,
     table: Array, P: Array, Q: Array, events: Events,
-) -> tuple[Array, Cycles]:  # fmt: skip
+) -> tuple[Array, MassCycles]:  # fmt: skip
     """Advance a mass through cycles of a sampling grid. Returns its momentum, times `scale`, at the
     edges, and the cycles.
 
@@ -187,7 +187,7 @@ def follow(
     momentum, state, energy, counts = _follow(
         first_cycle, cycles, per_cycle, velocity, scale, *start, world, table, P, Q, events, *events
     )
-    return momentum, Cycles(state, energy, counts)
+    return momentum, MassCycles(state, energy, counts)
 
 
 @njit(cache=True, nogil=True)

@@ -84,7 +84,7 @@ class Events(NamedTuple):
     w: Array
 
 
-class Cycle(NamedTuple):
+class MassCycle(NamedTuple):
     """State of a mass at the end of a cycle, and the events and energies of the cycle.
 
     events : their number, -1 for more than `MAX_EVENTS`
@@ -219,7 +219,7 @@ def _next(
 @njit(cache=True, nogil=True)
 def cycle(
     mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, S: Array, C: Array, events: Events
-) -> Cycle:
+) -> MassCycle:
     """Advance a mass by one cycle of the drive; its events are written to `events`. S, C : work
     space for the harmonics.
 
@@ -249,10 +249,10 @@ def cycle(
             # At rest in the box the work is the change of kinetic and potential energy.
             work += 0.5 * (v * v - start_v * start_v) + weight * (x - start_x)
             if mode == 0:
-                return Cycle(0, q, 0.0, n, roots, high, work, friction, collision)
+                return MassCycle(0, q, 0.0, n, roots, high, work, friction, collision)
             u, largest = 0.0, 0.0
             if n >= MAX_EVENTS:
-                return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
+                return MassCycle(mode, q, u, -1, roots, high, work, friction, collision)
             event_phase[n], event_mode[n], event_w[n] = theta, mode, v
             n += 1
         start, start_x, low, top = theta, x, world.lower - q, world.upper - q
@@ -280,7 +280,7 @@ def cycle(
         if kind == PASS:
             q, u = min(max(q + d, world.lower), world.upper), slip
             work -= mode * band * (table[last, 1] - start_x)
-            return Cycle(mode, q, u, n, roots, high, work, friction, collision)
+            return MassCycle(mode, q, u, n, roots, high, work, friction, collision)
         theta = min(start + t, table[line, 0])
         x, v = x + (v + u - 0.5 * pull * t) * t - d, v + u - pull * t - slip
         q, u, slid = min(max(q + d, world.lower), world.upper), 0.0, mode * band  # not behind a wall by round-off
@@ -304,6 +304,6 @@ def cycle(
         # the box.
         work -= slid * (x - start_x) + sense * (closing + back) * v
         if n >= MAX_EVENTS:
-            return Cycle(mode, q, u, -1, roots, high, work, friction, collision)
+            return MassCycle(mode, q, u, -1, roots, high, work, friction, collision)
         event_phase[n], event_mode[n], event_w[n] = theta, mode, v + u
         n += 1

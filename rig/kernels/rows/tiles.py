@@ -15,7 +15,7 @@ from rig.kernels.waveform import Array
 
 CHUNK = np.uint64(64)
 FIELDS = np.uint64(9)
-W, U, P, LO, HI, BAND, PLAY, DOZES, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
+W, U, P, LO, HI, BAND, PLAY, SLEEPS, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
 """Offsets of the fields in a tile: velocity, position relative to the wall at 0, latest impulse per
 mass, lower and upper limit of the acceleration by the box, friction, free play; whether a row
 sleeps (1 or 0), and the friction on it if so.
@@ -23,23 +23,23 @@ sleeps (1 or 0), and the friction on it if so.
 
 
 @njit(cache=True, nogil=True)
-def paged(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
+def to_tiles(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
     """Return rows as flat tiles; impulses and unused places of the last tile are 0."""
     rows = np.uint64(w.shape[0])
-    pages = np.zeros((rows + CHUNK - np.uint64(1)) // CHUNK * CHUNK * FIELDS)
+    tiles = np.zeros((rows + CHUNK - np.uint64(1)) // CHUNK * CHUNK * FIELDS)
     for k in range(rows):
         i = at(np.uint64(k))
-        pages[i + W], pages[i + U], pages[i + LO], pages[i + HI] = w[k], u[k], lo[k], hi[k]
-        pages[i + BAND], pages[i + PLAY] = band[k], play[k]
-    return pages
+        tiles[i + W], tiles[i + U], tiles[i + LO], tiles[i + HI] = w[k], u[k], lo[k], hi[k]
+        tiles[i + BAND], tiles[i + PLAY] = band[k], play[k]
+    return tiles
 
 
 @njit(cache=True, nogil=True)
-def unpaged(pages: Array, w: Array, u: Array, lo: Array, hi: Array) -> None:
+def from_tiles(tiles: Array, w: Array, u: Array, lo: Array, hi: Array) -> None:
     """Copy the fields that change from the tiles back to arrays."""
     for k in range(w.shape[0]):
         i = at(np.uint64(k))
-        w[k], u[k], lo[k], hi[k] = pages[i + W], pages[i + U], pages[i + LO], pages[i + HI]
+        w[k], u[k], lo[k], hi[k] = tiles[i + W], tiles[i + U], tiles[i + LO], tiles[i + HI]
 
 
 @njit(cache=True, nogil=True, inline="always")
