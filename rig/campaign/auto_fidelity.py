@@ -45,10 +45,11 @@ def chosen(
 
 def choices_text(choices: Mapping[str, FidelityChoice]) -> str:
     """Return one line per condition: a session must agree with it to be resumed."""
-    return "".join(
-        f"{name}: {f'{c.rows} rows, ' if c.rows else ''}settle {c.settle} cycles, record {c.record} cycles\n"
-        for name, c in choices.items()
-    )
+    lines = []
+    for name, choice in choices.items():
+        rows = f"{choice.rows} rows, " if choice.rows else ""
+        lines.append(f"{name}: {rows}settle {choice.settle} cycles, record {choice.record} cycles\n")
+    return "".join(lines)
 
 
 def choices_document(choices: Mapping[str, FidelityChoice], runs: int) -> dict[str, Any]:

@@ -38,12 +38,15 @@ def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
     """Return the condition's values of the other varied fields, readable, by the last word of the
     path.
     """
-    paths = [path for axis in protocol.vary for path in axis.paths if path not in TOLD and "." in path]
-    return {
-        path.rpartition(".")[2]: _text(path, _at(condition, path))
-        for path in paths
-        if not is_dataclass(_at(condition, path))
-    }
+    found = {}
+    for axis in protocol.vary:
+        for path in axis.paths:
+            if path in TOLD or "." not in path:
+                continue
+            value = _at(condition, path)
+            if not is_dataclass(value):
+                found[path.rpartition(".")[2]] = _text(path, value)
+    return found
 
 
 def label(path: str, value: Any) -> str:
@@ -60,7 +63,7 @@ def label(path: str, value: Any) -> str:
 
 
 def _claim(claim: Expect, protocol: Protocol, conditions: Sequence[Condition]) -> dict[str, Any]:
-    chosen = [c for c in conditions if all(_at(c, path) in values for path, values in claim.at.items())]
+    chosen = [condition for condition in conditions if _concerns(claim, condition)]
     found = _cases(claim, _others(claim, protocol), chosen)
     return {
         "claim": claim.claim,
@@ -72,6 +75,11 @@ def _claim(claim: Expect, protocol: Protocol, conditions: Sequence[Condition]) -
         "imposed": claim.imposed,
         "cases": found,
     }
+
+
+def _concerns(claim: Expect, condition: Condition) -> bool:
+    """Return whether a condition has the values to which the claim is restricted."""
+    return all(_at(condition, path) in values for path, values in claim.at.items())
 
 
 def _at(condition: Condition, path: str) -> Any:
@@ -127,7 +135,10 @@ def _groups(paths: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str,
 
 def _distinct(places: Sequence[dict[str, str]]) -> list[dict[str, str]]:
     """Return the places without the fields that are equal in all of them."""
-    differing = [path for path in (places[0] if places else ()) if len({place[path] for place in places}) > 1]
+    if not places:
+        return []
+    first = places[0]
+    differing = [path for path in first if any(place[path] != first[path] for place in places)]
     return [{path: place[path] for path in differing} for place in places]
 
 
@@ -142,10 +153,8 @@ def _levels(claim: Expect, members: Sequence[Condition]) -> list[dict[str, Any]]
         values = [value for value in claim.values if value in values]
     elif claim.kind not in LISTS:
         values.sort()
-    return [
-        {
-            "value": label(claim.path, value),
-            "conditions": [condition.id for condition in members if _at(condition, claim.path) == value],
-        }
-        for value in values
-    ]
+    levels = []
+    for value in values:
+        ids = [condition.id for condition in members if _at(condition, claim.path) == value]
+        levels.append({"value": label(claim.path, value), "conditions": ids})
+    return levels

@@ -52,9 +52,8 @@ class IncomingSignals:
                 self._kept.append(block)
 
     def _codes(self, row: int, start: int, stop: int) -> NDArray[np.int32]:
-        parts = [
-            block.codes[row, max(start - block.start, 0) : stop - block.start]
-            for block in self._kept
-            if block.start < stop and block.start + block.count > start
-        ]
+        parts = []
+        for block in self._kept:
+            if block.start < stop and block.start + block.count > start:
+                parts.append(block.codes[row, max(start - block.start, 0) : stop - block.start])
         return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -59,15 +59,18 @@ def choose_lengths(
     """
     series = [pilot.work / pilot.W - 1.0 for pilot in pilots if pilot.W > 0.0]
     cycles = min((one.size for one in series), default=WINDOWS * RECORDS[-1])
-    worst = {
-        record: _worst([one[:cycles] for one in series], record)[least_settle:] if series else np.zeros(1)
-        for record in RECORDS
-        if record <= cycles // WINDOWS
-    }
-    found = [choice for n, errors in worst.items() for choice in _within(n, errors, allowed, noise)]
+    series = [one[:cycles] for one in series]
+    worst: dict[int, Array] = {}
+    for record in RECORDS:
+        if record <= cycles // WINDOWS:
+            worst[record] = _worst(series, record)[least_settle:] if series else np.zeros(1)
+    found: list[LengthChoice] = []
+    for record, errors in worst.items():
+        found.extend(_within(record, errors, allowed, noise))
     if not found:
         budget = max(written - least_settle, LEAST_RECORD)
-        found = [choice for n, errors in worst.items() for choice in _in_time(n, errors, noise, budget)]
+        for record, errors in worst.items():
+            found.extend(_in_time(record, errors, noise, budget))
         best = min(found, key=lambda choice: choice.error)
     else:
         best = min(found, key=lambda choice: (choice.settle + choice.record, choice.error))

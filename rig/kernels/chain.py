@@ -51,12 +51,14 @@ def collide_file(
     Returns (energy lost between grains, J; energy lost at the wall, J; number of hits; number of
     those made elastic).
     """
+    # Round-off of the speeds scales with the fastest one.
     still = AT_REST * np.abs(v).max()
     last = np.full(x.shape[0], -NEVER)
     now, inside, at_wall = 0.0, 0.0, 0.0
     hits, elastic = 0, 0
     while hits < MOST_HITS:
         wait, k = _next_hit(x, v, wall, still)
+        # No pair closes any more: the grains have separated.
         if k < 0:
             break
         now += wait
@@ -64,12 +66,15 @@ def collide_file(
         for i in range(x.shape[0]):
             x[i] += v[i] * wait
         j = max(k - 1, 0)
+        # Grain 0 with the wall, or grain k with its predecessor j.
         e = restitution_wall if k == 0 else restitution[j]
+        # Still in contact with a neighbour by the contact-duration model: no further loss.
         if now - max(last[j], last[k]) < contact_time:
             e = 1.0
             elastic += 1
         last[j] = last[k] = now
         if k == 0:
+            # Exactly at the wall, whatever the round-off of the time.
             x[0] = 0.0
             at_wall += 0.5 * mass[0] * (1.0 - e) * (1.0 + e) * v[0] ** 2
             v[0] = -e * v[0]

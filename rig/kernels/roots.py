@@ -30,6 +30,7 @@ def halley(t: float, lo: float, hi: float, f: float, slope: float, curvature: fl
     the step, Newton's step replaces Halley's, which vanishes with the slope whether or not there is
     a root. A function that does not fall at t, or a step out of the bracket, gives the midpoint.
     """
+    # |f f''| > f'^2: the slope changes by more than itself within a Newton step.
     square, bend = slope * slope, 0.5 * f * curvature
     if abs(bend) > 0.5 * square:
         bend = 0.0

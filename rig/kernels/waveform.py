@@ -60,6 +60,7 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
     for k in range(1, P.shape[0]):
         # Addition theorem: the next harmonic without another sine.
         s, c = s * c1 + c * s1, c * c1 - s * s1
+        # Each integration in time divides harmonic h by h; the sign turns twice from x to a.
         h = k + 1.0
         wave = P[k] * s + Q[k] * c
         x += wave / (h * h)
@@ -83,6 +84,7 @@ def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, f
         s, c = s * c1 + c * s1, c * c1 - s * s1
         h = k + 1.0
         wave = P[k] * s + Q[k] * c
+        # turn = h (P cos - Q sin): d/dtheta turns wave into turn and turn into -h^2 wave.
         turn = h * (P[k] * c - Q[k] * s)
         square = h * h
         x += wave / square
@@ -129,6 +131,7 @@ def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P:
         if f_hi == 0.0 or hi - lo <= 4e-16 * hi:
             break
         theta = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        # Round-off may put the secant on an end: bisect.
         if not (lo < theta < hi):
             theta = 0.5 * (lo + hi)
             if theta <= lo or theta >= hi:
@@ -154,6 +157,7 @@ def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P:
 def extrema(P: Array, Q: Array) -> Array:
     """Return the phases in [0, 2 pi) of the extrema of the acceleration, ascending, shape (m,)."""
     harmonics = P.shape[0]
+    # The jerk has at most 2 H zeros in a cycle: 128 samples per harmonic separate them.
     samples = 128 * harmonics
     jerk_P = np.empty(harmonics)
     jerk_Q = np.empty(harmonics)
@@ -182,6 +186,8 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     n = thresholds.shape[0]
     counts = np.zeros(n, np.int64)
     tables = np.empty((n, 2 * turning.shape[0] + 2, 5))
+    # Between neighbouring extrema the acceleration is monotonic, so each level is crossed at most
+    # once.
     bounds = np.append(turning, turning[:1] + TWO_PI)
     values = np.empty(bounds.shape[0])
     for k in range(turning.shape[0]):
@@ -191,7 +197,9 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     for i in range(n):
         band, table = thresholds[i], tables[i]
         table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4] = TWO_PI, x0, v0, 0.0, a0
-        table[0, 0], table[0, 3] = 0.0, 1.0 if a0 > band else (-1.0 if a0 < -band else 0.0)
+        table[0, 0] = 0.0
+        if abs(a0) > band:
+            table[0, 3] = math.copysign(1.0, a0)
         phases, behind = _crossings_of(band, bounds, values, P, Q)
         # Two crossings may coincide where the acceleration just touches a threshold. The order of
         # the monotonic pieces decides which comes first; those of the next cycle precede all
@@ -224,6 +232,7 @@ def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array)
     count = 0
     for k in range(pieces):
         lo, hi = values[k], values[k + 1]
+        # In the order in which a rising (falling) piece meets the two levels.
         first = -band if hi > lo else band
         for level in (first, -first):
             if (lo > level) != (hi > level):

@@ -47,22 +47,22 @@ def prediction_document(
 
     refills : of conditions whose bed is refilled, energies of refilled beds divided by W_T
     """
-    return {
-        "conditions": {
-            name: {
-                **table,
-                "u_rel": point.u_rel,
-                "u_levels": point.u_levels,
-                "u_settling": point.u_settling,
-                "W_T_paper": point.W_T_paper,
-                "bound": _finite(point.bound),
-                "period": point.period,
-                "periodic_share": point.periodic_share,
-                **({"refills": list(refills[name])} if refills.get(name) else {}),
-            }
-            for name, (point, table) in found.items()
+    conditions = {}
+    for name, (point, table) in found.items():
+        entry: dict[str, Any] = {
+            **table,
+            "u_rel": point.u_rel,
+            "u_levels": point.u_levels,
+            "u_settling": point.u_settling,
+            "W_T_paper": point.W_T_paper,
+            "bound": _finite(point.bound),
+            "period": point.period,
+            "periodic_share": point.periodic_share,
         }
-    }
+        if refills.get(name):
+            entry["refills"] = list(refills[name])
+        conditions[name] = entry
+    return {"conditions": conditions}
 
 
 def _finite(value: float) -> float | None:

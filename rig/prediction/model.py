@@ -206,7 +206,10 @@ def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequen
     """
     if point.W_T <= 0.0:
         return point
-    apart = [total.window / total.total - 1.0 for total in totals if total.window is not None and total.total > 0.0]
+    apart = []
+    for total in totals:
+        if total.window is not None and total.total > 0.0:
+            apart.append(total.window / total.total - 1.0)
     return replace(
         point,
         u_levels=READ * misread(levels, [total.total for total in totals]) / point.W_T,

@@ -67,5 +67,6 @@ def model_ratios(condition: Condition, rig: Rig, draws: int = DRAWS) -> tuple[fl
 def drawn(draws: int) -> list[dict[str, float]]:
     """Return the parameters of each draw, by name."""
     u = stream(SEED, "model").random((draws, len(STATED)))
-    low, high = (np.array([getattr(stated, end) for stated in STATED.values()]) for end in ("low", "high"))
+    low = np.array([stated.low for stated in STATED.values()])
+    high = np.array([stated.high for stated in STATED.values()])
     return [dict(zip(STATED, row.tolist(), strict=True)) for row in low + (high - low) * u]

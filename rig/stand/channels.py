@@ -28,7 +28,7 @@ from rig.catalog.entries_by_name import analyzer as analyzer_named
 from rig.catalog.entries_by_name import transducer
 from rig.drive.exciter_limits import PARTS
 from rig.errors import InputError, Mistake
-from rig.protocol.spec import Condition, Ranges
+from rig.protocol.spec import Acquire, Condition, Ranges
 
 CHANNELS = ("force", "acceleration")
 EXCITER_CHANNELS = ("current", "voltage")
@@ -70,28 +70,32 @@ def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instrum
         )  # fmt: skip
     acquire = conditions[0].acquire
     analyzer = ideal_analyzer() if acquire.analyzer == "ideal" else analyzer_named(acquire.analyzer)
-    channels = tuple(
-        Channel(
-            name=name,
-            transducer=_transducer(name, getattr(acquire.sensors, name), acquire.effects),
-            range_V=_range_of(getattr(acquire.ranges, name, None), analyzer, float(rig.ranges[name])),
-            serial=f"synthetic-{name}",
-            direction="+drive",
-            coupling=(coupling := getattr(acquire.coupling, name, "DC")),
-            corner=None if coupling == "DC" else analyzer.ac_corner,
-        )
-        for name in (*CHANNELS, *(EXCITER_CHANNELS if acquire.exciter_channels else ()))
-    )
-    states = tuple(
-        certified_state(channel)
-        if acquire.analyzer == "ideal" and channel.transducer.model == "ideal"
-        else draw_state(channel, analyzer, stream(seed, "instrument", channel.name))
-        for channel in channels
-    )
+    names = CHANNELS + EXCITER_CHANNELS if acquire.exciter_channels else CHANNELS
+    channels = tuple(_channel(name, acquire, analyzer, rig) for name in names)
+    states = []
+    for channel in channels:
+        ideal = acquire.analyzer == "ideal" and channel.transducer.model == "ideal"
+        rng = stream(seed, "instrument", channel.name)
+        states.append(certified_state(channel) if ideal else draw_state(channel, analyzer, rng))
     # With an ideal current sensor the exciter, too, agrees exactly with the rig file.
     known = acquire.sensors.current == "ideal"
     exciter = rig.exciter if known else drawn_exciter(rig.exciter, stream(seed, "exciter"))
-    return Instruments(analyzer, channels, states, draw_clock_error(analyzer, stream(seed, "clock")), exciter)
+    clock_error = draw_clock_error(analyzer, stream(seed, "clock"))
+    return Instruments(analyzer, channels, tuple(states), clock_error, exciter)
+
+
+def _channel(name: str, acquire: Acquire, analyzer: AnalyzerSpec, rig: Rig) -> Channel:
+    """Return one input with its sensor, as the certificates describe them."""
+    coupling = getattr(acquire.coupling, name, "DC")
+    return Channel(
+        name=name,
+        transducer=_transducer(name, getattr(acquire.sensors, name), acquire.effects),
+        range_V=_range_of(getattr(acquire.ranges, name, None), analyzer, float(rig.ranges[name])),
+        serial=f"synthetic-{name}",
+        direction="+drive",
+        coupling=coupling,
+        corner=None if coupling == "DC" else analyzer.ac_corner,
+    )
 
 
 def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
@@ -111,13 +115,14 @@ def ranged(tools: Instruments, asked: Ranges, peaks: Mapping[str, float]) -> Ins
     """Return the instruments with the smallest sufficient range on every automatic channel; peaks :
     by channel.
     """
-    channels = tuple(
-        replace(c, range_V=smallest_range(tools.analyzer.ranges, peaks[c.name] * c.transducer.sensitivity))
-        if getattr(asked, c.name, None) == AUTO
-        else c
-        for c in tools.channels
-    )
-    return replace(tools, channels=channels)
+    channels = []
+    for channel in tools.channels:
+        range_V = channel.range_V
+        if getattr(asked, channel.name, None) == AUTO:
+            peak = peaks[channel.name] * channel.transducer.sensitivity
+            range_V = smallest_range(tools.analyzer.ranges, peak)
+        channels.append(replace(channel, range_V=range_V))
+    return replace(tools, channels=tuple(channels))
 
 
 def _range_of(asked: float | str | None, analyzer: AnalyzerSpec, otherwise: float) -> float:

@@ -98,6 +98,7 @@ def chain_velocities(masses: ArrayLike, restitution: ArrayLike, first_velocity: 
     Right as printed, for the first wave through grains at rest.
     """
     m = np.asarray(masses, dtype=np.float64)
+    # Velocity ratio of each pair, eq 20; its running product is eq 21.
     gain = m[:-1] * (1.0 + np.asarray(restitution, dtype=np.float64)) / (m[:-1] + m[1:])
     return first_velocity * np.concatenate(([1.0], np.cumprod(gain)))
 
@@ -110,6 +111,7 @@ def first_wave_loss(masses: ArrayLike, restitution: ArrayLike, first_velocity: f
     q^(2(n-1))), q = (1 + e)/2.
     """
     m = np.asarray(masses, dtype=np.float64)
+    # Each grain strikes a resting neighbour: its velocity is the approach speed.
     approach = chain_velocities(m, restitution, first_velocity)[:-1]
     return float(np.sum(pair_loss(m[:-1], m[1:], restitution, approach)))
 
@@ -147,6 +149,7 @@ def chain_collision(
     gap = np.broadcast_to(np.asarray(gaps, dtype=np.float64), m.shape)
     e = np.array(np.broadcast_to(np.asarray(restitution, dtype=np.float64), (m.size - 1,)))
     fastest = float(np.abs(v).max())
+    # Scaled by the shortest possible time to a hit.
     if contact_time is None:
         contact_time = CONTACT_SHARE * float(gap.min()) / fastest if fastest > 0.0 else 0.0
     walled = restitution_wall is not None
@@ -162,6 +165,7 @@ def grains_in_row(length: float, diameter: float) -> int:
     """Return the number of grains side by side in a length, floor(L1/d), robust to rounding of an
     integer quotient.
     """
+    # 0.3/0.1 is 2.9999999999999996: without the margin a grain would be missing.
     return int(length / diameter * (1.0 + 1e-9))
 
 
@@ -176,6 +180,7 @@ def row_restitution(grains: int, restitution: float, restitution_wall: float) ->
     """
     if grains <= 1:
         return restitution_wall
+    # The margin keeps n (1 - e) = 2.5 plastic whatever the rounding of 1 - e.
     if grains * (1.0 - restitution) >= COLLAPSE * (1.0 - 1e-12):
         return 0.0
     if grains > LONGEST_ROW:

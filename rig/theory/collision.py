@@ -109,6 +109,7 @@ def local_axes(normal: ArrayLike) -> Array:
     """
     l_axis = _floats(normal)
     x, y, z = l_axis[..., 0], l_axis[..., 1], l_axis[..., 2]
+    # Never divides by less than 1: sign + z has the magnitude 1 + |z|.
     sign = np.copysign(1.0, z)
     a = -1.0 / (sign + z)
     b = x * y * a
@@ -174,6 +175,7 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
 
     relative = v1 - v2
     approach = _dot(relative, n)
+    # Erratum of eq 6: only pairs that approach hit.
     hit = approach > 0.0
     w = np.where(hit, approach, 0.0)
     if np.any(hit & np.isinf(m1) & np.isinf(m2)):
@@ -181,6 +183,7 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
     m_r = np.where(hit, reduced_mass(m1, m2), 0.0)
     J_n = m_r * (1.0 + e) * w
 
+    # Tangential part of the relative velocity at the contact point.
     slip = relative - approach[..., None] * n
     if spinning is not None:
         (r1, spin1), (r2, spin2) = spinning

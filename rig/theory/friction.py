@@ -119,6 +119,7 @@ def friction_energy_per_slip(
     The result does not depend on the amplitude: it is the same at any acceleration, in joules per
     slip, not per cycle.
     """
+    # Erratum of eq 5: the lower interface of layer i lies at h_i = i d.
     depth = diameter * np.arange(1, layers + 1)
     stress = janssen_stress(depth, bulk_density, gravity, saturation_length)
     capacity = np.asarray(grain_friction, dtype=np.float64) * stress
@@ -162,6 +163,7 @@ def side_wall_capacity(
     Implied by Janssen's own saturation, absent from the default model, available as `side_walls:
     true`.
     """
+    # Stress at mid-height of each layer.
     middle = spacing * (np.arange(layers) + 0.5)
     stress = janssen_stress(middle, bulk_density, gravity, saturation_length)
     return 2.0 * wall_friction * janssen_ratio * length * spacing * stress

@@ -142,6 +142,7 @@ def plastic_energy(level: float) -> float:
     is expressed in the phase since take-off, where height and relative speed start as t^3 and t^2:
     no cancellation.
     """
+    # sin and cos of the take-off phase.
     pull, lead = 1.0 / level, math.sqrt((level - 1.0) * (level + 1.0)) / level
 
     def height(t: float) -> float:
@@ -179,6 +180,8 @@ def bouncing_band(k: int, e: float) -> tuple[float, float]:
     Its multipliers have the product e^2 and the sum 1 + e^2 - (1 + e)^2 level sin(phi), with
     cos(phi) = pi k (1 - e)/((1 + e) level) at the hit.
     """
+    # Lower end: cos(phi) = 1. Upper end: the sum of the multipliers reaches -(1 + e^2), period
+    # doubling.
     least = math.pi * k * (1.0 - e) / (1.0 + e)
     return least, math.hypot(least, 2.0 * (1.0 + e * e) / (1.0 + e) ** 2)
 
@@ -195,6 +198,7 @@ def _low(t: float) -> float:
 
 def _root(f: Callable[[float], float], lo: float, hi: float) -> float:
     """Return the sign change of f in a bracket, by bisection."""
+    # To the last bit: the bracket ends when no number lies between its ends.
     side = f(lo) > 0.0
     while True:
         middle = 0.5 * (lo + hi)

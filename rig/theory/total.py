@@ -87,6 +87,7 @@ def sliding_rows(
     sine, cosine = np.ones(1), np.zeros(1)
     flowing = threshold < acceleration
     band = threshold[flowing] / acceleration
+    # Lengths in units of the waveform, A/w^2; accelerations in units of A.
     free = (play[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
     layer = np.repeat(np.arange(band.size), play.shape[1])
     return RowSet(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
@@ -111,6 +112,7 @@ def layer_energies(
         _refuse(period)
         # Kernel energies are per mass in units of the squared velocity amplitude (A/w)^2.
         unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
+        # Layers below their threshold ride and keep 0.
         energy[threshold < acceleration] = unit * (friction + collision).reshape(-1, play.shape[1])
     return energy
 

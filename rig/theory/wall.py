@@ -41,6 +41,7 @@ def compression_impulse(mass: ArrayLike, velocity: ArrayLike, friction: ArrayLik
     grain that departs.
     """
     v = _floats(velocity)
+    # The wall's normal points into the cavity: a grain approaches with v_z < 0.
     approach = np.maximum(0.0, -v[..., 2])
     slip = _slip(v)
     return _impulse(mass, v, slip - compression_slip(slip, approach, friction), approach)
@@ -77,6 +78,7 @@ def bounce(velocity: ArrayLike, friction: ArrayLike, restitution: ArrayLike) -> 
     """Return the velocity of the grain after the hit, relative to the wall, m/s, shape (..., 3)
     (eqs 13, 16, 17 together).
     """
+    # Unit mass: impulse equals velocity change.
     both = compression_impulse(1.0, velocity, friction) + recovery_impulse(1.0, velocity, friction, restitution)
     return _floats(velocity) + both
 

@@ -25,12 +25,13 @@ def with_faults(
     changes no other.
     """
     names, period = acquisition.channels, size.rate / run.condition.drive.frequency
-    found = [
-        (fault, _placed(fault, names.index(fault.channel), period, size.samples))
-        for fault in protocol.faults
-        if fault.repeat in (None, run.repeat) and fault.channel in names
-    ]
-    found = [(asked, fault) for asked, fault in found if fault.start < size.samples]
+    found: list[tuple[Asked, Fault]] = []
+    for asked in protocol.faults:
+        if asked.channel not in names or asked.repeat not in (None, run.repeat):
+            continue
+        fault = _placed(asked, names.index(asked.channel), period, size.samples)
+        if fault.start < size.samples:
+            found.append((asked, fault))
     if not found:
         return acquisition
     words = (run.condition.seed_key, str(run.repeat), "fault")

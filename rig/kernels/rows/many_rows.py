@@ -90,6 +90,7 @@ def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> 
     length = history.shape[0]
     for back in range(1, min(now, length) + 1):
         k = (now - back) % length
+        # The mode must be equal, position and velocity equal within round-off.
         if abs(history[k, 1] - u) < SAME and abs(history[k, 2] - z) < SAME and history[k, 0] == mode:
             return back
     return 0
@@ -156,9 +157,12 @@ def _steady_energy(
         if span > LONGEST_SPAN:
             period[r] = -2
             continue
+        # Wide plays: several crossings must pass before a mean is representative.
         settled, averaged = max(HISTORY, left_out * span), max(average, CROSSINGS * span)
         for n in range(settled + averaged):
             k = n % HISTORY
+            # A recurring state repeats for ever: the mean over one period is exact, and the loop
+            # may end.
             back = find_recurrence(history, n, mode, u, z)
             if back > 0:
                 period[r] = back
@@ -174,6 +178,7 @@ def _steady_energy(
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
             after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
+            # More events than can be stored: reported by a negative period.
             if after.events < 0:
                 period[r] = -1
                 break
@@ -235,6 +240,7 @@ def _follow(
     for r in range(layer.shape[0]):
         i, row = layer[r], memory[r]
         table = tables[i]
+        # All rows replay: the sum has their least common multiple as its period.
         repeats = _common(repeats, row.period) if row.recorded >= row.period else 0
         for k in range(cycles):
             now = first_cycle + k
@@ -251,6 +257,7 @@ def _follow(
             ledger[k, 0] += after.work
             ledger[k, 1] += after.friction
             ledger[k, 2] += after.collision
+            # Kinetic energy in the laboratory frame: box velocity plus relative velocity.
             ledger[k, 3] += 0.5 * (start_v + after.z) ** 2
             riding, level, slope = _branch(mode, 0.0, w, band[i])
             base[k, 0] += riding
@@ -339,6 +346,7 @@ def _branch(mode: int, phase: float, w: float, band: float) -> tuple[float, floa
     """
     if mode == 0:
         return 1.0, 0.0, 0.0
+    # Sliding rows are decelerated uniformly, w - mode band (theta - phase).
     slope = -mode * band
     return 0.0, w - slope * phase, slope
 

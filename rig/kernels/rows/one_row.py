@@ -127,6 +127,7 @@ def _stop(
             lo = theta
         else:
             hi = theta
+        # Derivatives of f = s (w - v) - band t by the phase: f' = -band - s a, f'' = -s jerk.
         new, inside = halley(theta, lo, hi, f, -band - s * a, -s * jerk)
         step = new - theta
         if inside and abs(step) < near:
@@ -176,6 +177,7 @@ def _hit(
             lo = theta
         else:
             hi = theta
+        # Derivatives of the gap: gap' = -closing, gap'' = s a + band.
         new, inside = halley(theta, lo, hi, gap, -closing, s * a + band)
         step = new - theta
         if inside and abs(step) < near:
@@ -277,6 +279,7 @@ def cycle(
         before = u
         # Clamped: round-off must not put a row behind a wall.
         u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), play)
+        # Coulomb loss: friction times the slip relative to the box, whose sign is that of s.
         friction += band * s * (u - before)
         # Work of the box: friction force -s band on the row times the displacement of the box, not
         # of the slip.

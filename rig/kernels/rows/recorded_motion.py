@@ -100,9 +100,11 @@ def sampled_energy(
     largest = np.abs(acceleration).max()
     friction, collision = 0.0, 0.0
     for r in range(band.shape[0]):
+        # The box never exceeds the friction of this row: it rides.
         if band[r] >= largest:
             continue
         mode, u, z = 0, 0.0, 0.0
+        # Negative m: ramp and settling, on the end of the periodic record.
         for m in range(-settle - ramp, n):
             k = m % n
             first, last = acceleration[k], acceleration[(k + 1) % n]
@@ -137,6 +139,8 @@ def _across(
             elif a > band and u > 0.0:
                 mode = -1
             else:
+                # The linear acceleration reaches the threshold within the interval: the row starts
+                # to slide then.
                 wait = math.inf
                 if last < -band and a >= -band and u < play:
                     wait, mode = (-band - a) / rate, 1
@@ -151,6 +155,7 @@ def _across(
         # Thrown exactly at the threshold: the net acceleration starts at zero, which round-off must
         # not turn negative.
         pull = 0.0 if thrown else -band - s * (first + rate * t)
+        # Relative motion along s: constant friction -band, box acceleration -s (first + rate t).
         jerk = -s * rate
         speed = max(s * z, 0.0)
         stop = _stop(speed, pull, jerk, left)
@@ -163,6 +168,7 @@ def _across(
             back = restitution * closing
             if back < slow:
                 back = 0.0
+            # Friction acts over the whole distance to the wall.
             rubbed += band * gap
             struck += 0.5 * (closing * closing - back * back)
             u = play if mode == 1 else 0.0

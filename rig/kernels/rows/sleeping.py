@@ -93,9 +93,13 @@ def fall_asleep(place: float, speed: float, ahead: float, pull: float, rows: np.
         for j in range(np.uint64(0), min(CHUNK, rows - begin)):
             i = tile + j
             z, band, u = speed - tiles[i + W], tiles[i + BAND], tiles[i + U]
+            # Worst case over the whole sleep: friction, gravity and box all act against the slip.
             change = (band + abs(pull)) * ahead + slack
             gap = min(u, tiles[i + PLAY] - u)
+            # Still sliding the same way at the end, not at a wall on the way, and not leaning on
+            # one (infinite limit).
             free = (abs(z) > change) & (gap > (abs(z) + change) * ahead) & (tiles[i + HI] - tiles[i + LO] < math.inf)
+            # Friction on the row in the direction of the slip z of the box relative to it.
             given = band if z > 0.0 else -band
             given = given if free else 0.0
             tiles[i + SLEEPS] = 1.0 if free else 0.0
@@ -139,6 +143,7 @@ def wake(place: float, latest: float, pull: float, rows: np.uint64, count: np.ui
         for j in range(np.uint64(0), min(CHUNK, rows - begin)):
             i = tile + j
             given, w, sleeps = tiles[i + GIVEN], tiles[i + W], tiles[i + SLEEPS]
+            # Constant acceleration over the sleep: velocity and slip in closed form.
             speed = (given + pull) * time
             way = moved - (w + 0.5 * speed) * time
             lanes[j] += given * way

@@ -58,6 +58,7 @@ def _slip_moments(
                 now, phase, w = mode, 0.0, start_v + z
                 for k in range(after.events + 1):
                     end = events.phase[k] if k < after.events else TWO_PI
+                    # A riding row has no slip.
                     if now != 0:
                         two, three, top = _slide(phase, end, w, now * band[i], P, Q, nodes, weights)
                         second += share * two

@@ -26,6 +26,7 @@ sleeps (1 or 0), and the friction on it if so.
 def to_tiles(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
     """Return rows as flat tiles; impulses and unused places of the last tile are 0."""
     rows = np.uint64(w.shape[0])
+    # Rounded up to whole tiles; unused places stay 0 and contribute nothing to sums.
     tiles = np.zeros((rows + CHUNK - np.uint64(1)) // CHUNK * CHUNK * FIELDS)
     for k in range(rows):
         i = at(np.uint64(k))
@@ -60,6 +61,8 @@ def total(x: Array) -> float:
     """Return the sum of an array in eight lanes: independent additions, in a fixed order."""
     n = x.shape[0]
     a, b, c, d, e, f, g, h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # Eight independent chains of additions hide the latency of the adder; the compiler may not
+    # reorder them itself.
     whole = n - n % 8
     for i in range(0, whole, 8):
         a += x[i]

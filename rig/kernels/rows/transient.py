@@ -56,6 +56,7 @@ def _transient(
         mode, u, z = 0, 0.0, 0.0
         last, back = cycles, 0
         for n in range(cycles):
+            # From a recurrence on, the remaining cycles are copies of the period.
             back = find_recurrence(history, n, mode, u, z)
             if back > 0:
                 last = n
@@ -74,6 +75,8 @@ def _transient(
             continue
         for n in range(last, cycles):
             work[n], lost[n] = work[n - back], lost[n - back]
+        # Mean of the last full period, or of everything after the longest period that is looked
+        # for.
         energy[r] = lost[last - back : last].mean() if back > 0 else lost[HISTORY:].mean()
         total += work
         if back == 0:

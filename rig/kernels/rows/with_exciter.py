@@ -157,6 +157,7 @@ def _free(
     for k in range(steps):
         if feed.by_current:
             target = path[k, I] if stuck else command[k0 + k + 1]
+            # The current ramps to its next value; the input of the propagator is its rate.
             u0, u1 = (target - path[k, I]) / on.interval, 0.0
         else:
             u0 = feed.limit if stuck else command[k0 + k]
@@ -215,6 +216,7 @@ def _account(
         start_rate = (e - _voltage(path[0], 0.0, on)) / on.inductance
         end_rate = (e_end - _voltage(end, 0.0, on)) / on.inductance
         accounts[ELECTRIC] += h * h / 12.0 * (e * start_rate - e_end * end_rate)
+        # End correction of R i^2: its derivative is 2 R i i'.
         accounts[COPPER] += h * h / 6.0 * on.resistance * (path[0, I] * start_rate - end[I] * end_rate)
     _add_rates(path[0], force, start_rate, h * h / 12.0, on, accounts)
     _add_rates(end, force, end_rate, -h * h / 12.0, on, accounts)

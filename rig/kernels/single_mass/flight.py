@@ -65,6 +65,7 @@ def drift(
     a = a0
     jerk, d4, d5, d6, d7 = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(S.shape[0]):
+        # A harmonic that the waveform does not have.
         if S[k] == 0.0 and C[k] == 0.0:
             continue
         h = k + 1.0
@@ -72,12 +73,14 @@ def drift(
         q = y * y
         # Series for small angles, where the differences would cancel.
         if y < 1.0:
+            # late = y - sin y, low = y^2/2 - 1 + cos y.
             late = y * q * _tail(q, LATE)
             low = q * q * _tail(q, LOW)
             sine, versine = y - late, 0.5 * q - low
         else:
             sine, versine = math.sin(y), 1.0 - math.cos(y)
             late, low = y - sine, 0.5 * q - versine
+        # The formula of the module's head, and its derivatives by t.
         d += (C[k] * late - S[k] * low) / (h * h)
         u += (C[k] * versine - S[k] * late) / h
         a += C[k] * sine - S[k] * versine
@@ -139,6 +142,7 @@ def turn(
     The velocity is monotonic in the bracket and of opposite sign at its ends.
     """
     sense = 1.0 if u_lo > 0.0 else -1.0
+    # Start with the secant.
     t = lo + (hi - lo) * u_lo / (u_lo - u_hi)
     near = NEAR / S.shape[0]
     for n in range(MOST_ROOT_STEPS):

@@ -111,6 +111,7 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
         speed = max(abs(u), math.sqrt(2.0 * lost / back))
         if abs(history[k, 2] - u) > SAME * speed:
             continue
+        # Without walls the position has no meaning: only the velocity must recur.
         if not walls or abs(history[k, 1] - q) <= SAME * max(abs(q), speed):
             return back
     return 0
@@ -136,6 +137,8 @@ def _steady(
 ) -> tuple[float, float, int, bool, bool, float, float]:  # fmt: skip
     harmonics = np.empty((2, P.shape[0]))
     table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    # Columns: mode, q, u at the start of the cycle; friction, collision, hits of the upper wall,
+    # events in it.
     history = np.zeros((LOOK_BACK, 7))
     friction, collision, lid, moves, seen = 0.0, 0.0, False, False, 0.0
     wanted = max(last - first, 1)
@@ -148,6 +151,7 @@ def _steady(
             lost = np.zeros(4)
             for b in range(1, back + 1):
                 lost += history[(n - b) % LOOK_BACK, 3:] / back
+            # The rest of the window lies in the periodic part: take it from the stored period.
             for m in range(max(n, first), last):
                 line = history[(n - back + (m - n) % back) % LOOK_BACK]
                 seen += line[3] + line[4]
@@ -168,6 +172,7 @@ def _steady(
             lid = lid or after.high > 0
             moves = moves or mode != 0 or after.events > 0
             batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
+    # Beyond the simulated cycles the mean is the best estimate.
     seen += max(last - max(settle + average, first), 0) * (friction + collision)
     # Batch means: the scatter of nearly independent parts gives the error of a correlated series.
     error = float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
@@ -215,6 +220,7 @@ def _follow(
         e, last = math.ceil(offset), math.ceil((first_cycle + k + 1) * per_cycle)
         for n in range(after.events + 1):
             end = min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last) if n < after.events else last
+            # Between events the laboratory velocity changes uniformly by weight and friction.
             slope = -(world.weight + before * world.band)
             for j in range(e, end):
                 now = TWO_PI * (j - offset) / per_cycle

@@ -130,7 +130,8 @@ def world(
     lines = lines[np.diff(lines[:, 0], append=np.inf) > 0.0]
     between = 0.5 * (lines[:-1, 0] + lines[1:, 0])
     push = -np.array([motion(phase, P, Q)[2] for phase in between])
-    region = np.where(push > (weight or band), -1, np.where(push < (weight if band == 0.0 else -band), 1, 0))
+    upper, lower = (weight, weight) if band == 0.0 else (band, -band)
+    region = np.where(push > upper, -1, np.where(push < lower, 1, 0))
     lines[:, 3] = np.append(region, region[-1])
     kept = np.append(np.append(True, region[1:] != region[:-1]), True)
     return World(weight, band, lower, upper, restitution, jerk), lines[kept]
@@ -251,6 +252,7 @@ def cycle(
             if mode == 0:
                 return MassCycle(0, q, 0.0, n, roots, high, work, friction, collision)
             u, largest = 0.0, 0.0
+            # No room for another event: the caller gets -1.
             if n >= MAX_EVENTS:
                 return MassCycle(mode, q, u, -1, roots, high, work, friction, collision)
             event_phase[n], event_mode[n], event_w[n] = theta, mode, v
@@ -266,6 +268,7 @@ def cycle(
                 u2 = v + u - pull * t2 - table[line, 2]
             else:
                 d2, u2, _, _, _, _, _, _ = drift(t2, u, a0, S, C)
+            # Sign of the relative acceleration within the piece; in the band friction decides it.
             rises = region == -1 or (region == 0 and mode == -1)
             kind, t, d, slip, rate, steps = _next(
                 t1, d1, u1, t2, d2, u2, rises, low, top, mode, band > 0.0, u, a0, S, C
@@ -296,7 +299,8 @@ def cycle(
                 back = 0.0
             collision += 0.5 * (closing * closing - back * back)
             u = -sense * back
-        mode = _thrown(region, q, world) if u == 0.0 else -1 if band > 0.0 and u < 0.0 else 1
+        moving = -1 if band > 0.0 and u < 0.0 else 1
+        mode = _thrown(region, q, world) if u == 0.0 else moving
         if mode != 0:
             x, v, a = at(theta, P, Q, S, C)
             a0 = -a - weight - mode * band
