@@ -1,4 +1,4 @@
-"""Bad input: what was found, what is allowed, and where, for every mistake at once."""
+"""Invalid input: what was found, what is allowed, and where, for every mistake at once."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ MOST_MISTAKES = 50
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake in what a user gave.
+    """One mistake in the user's input.
 
-    `where` is `file:line` or the command-line option, `field` the full path of the key (both may be empty),
-    `found` and `allowed` are phrases, `hint` a whole question or advice such as "did you mean 'fill'?".
+    where : `file:line` or the command-line option, may be empty
+    field : full path of the key, may be empty
+    found, allowed : phrases
+    hint : a complete question or piece of advice, such as "did you mean 'fill'?"
     """
 
     where: str
@@ -34,7 +36,9 @@ class Mistake:
 
 
 class InputError(Exception):
-    """Input that cannot be used; `mistakes` lists everything that is wrong with it, str() one line for each."""
+    """Input that cannot be used. `mistakes` lists everything that is wrong with it; str() has one
+    line for each.
+    """
 
     def __init__(self, *mistakes: Mistake) -> None:
         super().__init__(*mistakes)
@@ -45,19 +49,21 @@ class InputError(Exception):
 
 
 def quote(value: object) -> str:
-    """A user's value for a message: shortened, control characters escaped."""
+    """Return a user's value for a message: shortened, control characters escaped."""
     text = repr(value)
     return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
 def nearest(word: str, choices: Iterable[str]) -> str:
-    """The hint "did you mean ...?" for a misspelt word, or "" where nothing is near."""
+    """Return the hint "did you mean ...?" for a misspelt word, or "" if no choice is near."""
     close = difflib.get_close_matches(word[:LONGEST_QUOTE], list(choices), n=1, cutoff=0.6)
     return f"did you mean {close[0]!r}?" if close else ""
 
 
 def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
-    """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the rest."""
+    """Return mistakes in the order of their lines: at most MOST_MISTAKES, plus one that counts the
+    others.
+    """
     ordered = sorted(mistakes, key=_line)
     more = len(ordered) - MOST_MISTAKES
     if more <= 0:
@@ -66,13 +72,14 @@ def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
 
 
 def _line(mistake: Mistake) -> float:
+    """Return the line number of a mistake; infinity, the end of the list, if it has none."""
     number = mistake.where.rpartition(":")[2]
     return int(number) if number.isdecimal() else math.inf
 
 
 class WorkerLost(Exception):
-    """All that computed has been ended from outside; the message names the runs that were under way."""
+    """All workers were terminated from outside; the message names the runs in progress."""
 
 
 class WorkerFailed(RuntimeError):
-    """A defect: the message holds the worker's traceback."""
+    """A program defect: the message contains the worker's traceback."""

@@ -48,18 +48,22 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "current sensitivity": {"V/A": _ONE, "mV/A": _MILLI},
     "acceleration sensitivity": {"V/(m/s^2)": _ONE, "mV/(m/s^2)": _MILLI, "V/g": _ONE / _G, "mV/g": _MILLI / _G},
 }
-"""Dimension -> unit -> its size in the SI unit, which comes first. A plain number is in that first unit."""
+"""Dimension -> unit -> its size in SI. The SI unit is the first one; a plain number is in that
+unit.
+"""
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].{0,20})?\s*", re.ASCII)
 _LONGEST_TEXT = 64
 
 LEAST_PER_CENT = 2.0
-"""From here on a number where a share was wanted may have been meant in per cent; 1.2 was meant as it stands."""
+"""Number from which a fraction out of range may have been meant in per cent; 1.2 was not."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a number means and may be: `least` <= value <= `most`, or `least` < value where `above`."""
+    """Dimension and allowed range of a number: `least` <= value <= `most`, or `least` < value if
+    `above`.
+    """
 
     dimension: str = "number"
     least: float = -math.inf
@@ -67,14 +71,17 @@ class Quantity:
     above: bool = False
 
     def holds(self, value: float) -> bool:
+        """Return whether a value (SI) is in the range."""
         return (value > self.least if self.above else value >= self.least) and value <= self.most
 
     def __str__(self) -> str:
-        """The allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm, cm, um)"."""
+        """Return the allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm,
+        cm, um)".
+        """
         return f"{self.range() or 'a number'} ({allowed_units(self.dimension)})"
 
     def range(self) -> str:
-        """The allowed range in words, "" where every number is allowed."""
+        """Return the allowed range in words, "" if every number is allowed."""
         parts = []
         if math.isfinite(self.least):
             parts.append(f"{'above' if self.above else 'at least'} {_short(self.least, self.dimension)}")
@@ -84,24 +91,28 @@ class Quantity:
 
 
 class UnitError(ValueError):
-    """A text that is no quantity of the wanted dimension; the message names the units that are."""
+    """A text that is not a quantity of the required dimension; the message names the units that
+    are.
+    """
 
 
 def unit_of(dimension: str) -> str:
-    """The SI unit of a dimension, "" for plain numbers."""
+    """Return the SI unit of a dimension, "" for plain numbers."""
     return next(iter(UNITS[dimension]))
 
 
 def allowed_units(dimension: str) -> str:
+    """Return the units of a dimension, for messages."""
     if dimension == "number":
         return "a plain number or %"
     return f"units {', '.join(UNITS[dimension])}"
 
 
 def parse_quantity(text: str, dimension: str) -> float:
-    """SI value of a text such as "150 mm", correctly rounded.
+    """Return the SI value of a text such as "150 mm", correctly rounded.
 
-    Raises UnitError for text that is no number, a missing or foreign unit, and numbers beyond the floating range.
+    Raises UnitError for text that is not a number, for a missing or foreign unit, and for numbers
+    beyond the floating-point range.
     """
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST_TEXT else None
     if match is None:
@@ -111,6 +122,7 @@ def parse_quantity(text: str, dimension: str) -> float:
     if scale is None:
         raise UnitError(f"a number with a unit ({allowed_units(dimension)})")
     value = float(digits)
+    # Decimal arithmetic: one rounding at the end, so that 150 mm and 0.15 m are the same number.
     if value and math.isfinite(value) and scale != 1:
         value = float(Decimal(digits) * scale)
     if not math.isfinite(value):
@@ -119,12 +131,16 @@ def parse_quantity(text: str, dimension: str) -> float:
 
 
 def format_quantity(value: float, dimension: str) -> str:
-    """Text with the SI unit that parse_quantity reads back to the same number, bit for bit."""
+    """Return a text with the SI unit that parse_quantity reads back to the same number, bit for
+    bit.
+    """
     return f"{value!r} {unit_of(dimension)}".rstrip()
 
 
 def suggest_unit(value: float, quantity: Quantity) -> str:
-    """A hint where a plain number out of range makes sense in another unit: 150 m, "did you mean 150 mm?"."""
+    """Return a hint if a plain number out of range makes sense in another unit: 150 m, "did you
+    mean 150 mm?".
+    """
     if quantity.dimension == "number" and (quantity.most > 1 or abs(value) < LEAST_PER_CENT):
         return ""  # a count or a coefficient, or a share a little above one: per cent of it are no help
     for unit, scale in UNITS[quantity.dimension].items():

@@ -1,1 +1,1 @@
-"""What the grains do to the box: one small module a bed, one registry."""
+"""Bed models: the reaction of the grains on the box. One small module a bed, one registry."""

@@ -1,4 +1,6 @@
-"""Beds in a box that they move: what of them is bonded to it, what damps it, and the rows that slide in it."""
+"""Bed models for closed-loop (shaker-coupled) runs, where the bed reacts on the box: bonded mass,
+viscous damping, sliding rows.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,8 +14,9 @@ from rig.catalog.entries import Rig
 from rig.protocol.spec import Scene
 
 LEAST_PLAY = 1e-9
+"""Clearance, m, below which a row is treated as bonded to the box."""
 ENDLESS = 1e3
-"""Rows with less room than the first, m, are bonded; the second stands for a wall that is not there."""
+"""Position, m, of a wall that the model does not have: far enough never to be reached."""
 
 
 def _none() -> Array:
@@ -22,14 +25,18 @@ def _none() -> Array:
 
 @dataclass(frozen=True)
 class TwoWay:
-    """A bed as the coupled drive takes it, SI.
+    """A bed as the shaker-coupled stand takes it, SI units.
 
-    bonded : mass that moves with the box for good
-    damping : of a dashpot between box and ground, N s/m
-    row_mass, restitution : of every row, at the end walls
-    band, play : friction of each row against the box as an acceleration, and its free play, shape (rows,)
-    pull : acceleration that gravity gives the rows along the drive axis; what carries the box carries their weight
-    start, velocity : where the rows begin, m from the wall at 0, and how fast, m/s against the box
+    bonded : mass that moves with the box permanently, kg
+    damping : coefficient of a dashpot between box and ground, N s/m
+    row_mass, restitution : mass of each row, kg, and its coefficient of restitution at the end
+        walls
+    band, play : friction of each row against the box divided by its mass, m/s^2, and its free play,
+        m, shape (rows,)
+    pull : acceleration of the rows along the drive axis due to gravity, m/s^2; the support of the
+        box carries their weight
+    start, velocity : initial position of the rows from the wall at 0, m, and initial velocity
+        relative to the box, m/s
     """
 
     bonded: float = 0.0
@@ -53,11 +60,14 @@ def _layers(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
     band = np.tile(bed.threshold, bed.play.shape[1])
     play = bed.play.T.ravel()
     free = play > LEAST_PLAY
+    # A row without clearance cannot slide: its mass belongs to the box.
+    # A row without clearance cannot slide: its mass belongs to the box.
     bonded = bed.carried_mass + bed.row_mass * float(np.count_nonzero(~free))
     return TwoWay(bonded, 0.0, bed.row_mass, bed.restitution, band[free], play[free])
 
 
 def _slug(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
+    """Return the single mass as one row. Walls at infinity become walls at `ENDLESS`."""
     one = slug(scene, rig, filling)
     low = max(one.low, -ENDLESS)
     play = min(one.high, ENDLESS) - low
@@ -82,4 +92,6 @@ TWO_WAY: dict[str, Callable[[Scene, Rig, Filling], TwoWay]] = {
     "layers": _layers,
     "slug": _slug,
 }
-"""Bed by name: (scene, rig, filling) -> the bed for the coupled drive."""
+"""Maps the name of a bed to its factory: (scene, rig, filling) -> bed for the
+shaker-coupled stand.
+"""

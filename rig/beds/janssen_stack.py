@@ -16,9 +16,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Filling:
-    """What differs from refill to refill: shaken bulk fraction, play factor and position of the rows in their strata.
+    """Properties that differ between refills: shaken bulk fraction, play factor and row positions.
 
-    `position` is u in [0, 1], one number for all rows or an array (layers, rows).
+    `position` is the position u in [0, 1] of a row within its stratum of the play distribution: one
+    number for all rows, or an array (layers, rows).
     """
 
     packing: float
@@ -28,13 +29,13 @@ class Filling:
 
 @dataclass(frozen=True)
 class Stack:
-    """Layers that can slide, top first, and the mass that rides.
+    """The layers that can slide, top first, and the mass that rides with the box.
 
-    threshold : acceleration at which each mobile layer starts to slide, m/s^2, shape (layers,)
+    threshold : box acceleration at which each mobile layer starts to slide, m/s^2, shape (layers,)
     play : free play of each row, m, shape (layers, rows)
     row_mass : mass of one row, kg
-    carried_mass : mass that cannot move for want of room, kg
-    restitution : of a row's centre of mass at an end wall
+    carried_mass : mass of the layers that have no room to move, kg
+    restitution : coefficient of restitution of a row's centre of mass at an end wall
     """
 
     threshold: Array
@@ -50,34 +51,42 @@ class Stack:
 
 
 def nominal(scene: Scene, rig: Rig) -> Filling:
-    """The filling that W_T assumes: nominal packing and play, rows in the middle of their strata."""
+    """Return the filling that W_T assumes: nominal packing and play, rows in the middle of their
+    strata.
+    """
     return Filling(rig.packing_shaken, scene.layers.play)
 
 
 def refill(scene: Scene, rig: Rig, rng: np.random.Generator) -> Filling:
-    """One pouring of the bed: packing, play and row positions drawn from the rig file's assumed scatter."""
+    """Return one random refill: packing, play and row positions with the rig file's assumed
+    scatter.
+    """
     packing = rig.packing_shaken * (1.0 + rig.refill_packing * rng.standard_normal())
     play = scene.layers.play * max(1.0 + rig.refill_play * rng.standard_normal(), 0.0)
     return Filling(packing, play, rng.random((layer_count(scene), scene.layers.rows)))
 
 
 def layer_count(scene: Scene) -> int:
-    """Number of layers of one grain's height, round(w H/d); a bed thinner than half a grain is one layer."""
+    """Return the number of layers one grain high, round(w H/d); a bed thinner than half a grain is
+    one layer.
+    """
     depth = scene.grains.fill * scene.cavity.height
     return 0 if depth == 0.0 else max(round(depth / scene.grains.diameter), 1)
 
 
 def bed_mass(scene: Scene, packing: float) -> float:
-    """Mass of the grains, kg: the fill is a share of the cavity's height, filled at the bulk fraction `packing`."""
+    """Return the mass of the grains, kg: they fill the fraction w of the cavity's height at the
+    bulk fraction `packing`.
+    """
     cavity = scene.cavity
     return packing * _density(scene) * cavity.length * cavity.width * cavity.height * scene.grains.fill
 
 
 def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> float:
-    """Share of the layers that have room to flow, chi in [0, 1].
+    """Return the fraction of the layers that have room to flow, chi in [0, 1].
 
-    Flowing needs the loose fraction phi_f: all move up to w* = phi_f/phi_b, above it only
-    (1 - w)/((phi_b/phi_f - 1) w), the top ones; none at w = 1.
+    Flow needs the loose fraction phi_f. All layers move up to w* = phi_f/phi_b; above it only the
+    fraction (1 - w)/((phi_b/phi_f - 1) w), counted from the top; none at w = 1.
     """
     swelling = packing_shaken / packing_loose
     if fill * swelling <= 1.0:
@@ -86,9 +95,10 @@ def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> fl
 
 
 def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
-    """The layers of one filling (docs/model.md, closed tier): thresholds f_i/m, plays, masses, row restitution.
+    """Return the layers of one filling (docs/model.md, closed tier): thresholds f_i/m, plays,
+    masses and restitution.
 
-    Raises InputError for rows too long and too elastic to be followed.
+    Raises InputError for rows that are too long and too elastic for their rebound to be followed.
     """
     cavity, grains, settings = scene.cavity, scene.grains, scene.layers
     layers = layer_count(scene)
@@ -106,6 +116,10 @@ def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
             layers, spacing, cavity.length, bulk, rig.gravity, rig.wall_friction, rig.janssen_ratio, saturation
         )
     mobile = round(mobile_share(grains.fill, filling.packing, rig.packing_loose) * layers)
+    # Stratified sampling of the play: each row draws from its own stratum of [1 - spread, 1 +
+    # spread].
+    # Stratified sampling of the play: each row draws from its own stratum of [1 - spread, 1 +
+    # spread].
     stratum = np.arange(settings.rows) + np.broadcast_to(filling.position, (layers, settings.rows))
     spread = 1.0 - settings.spread + 2.0 * settings.spread * stratum / settings.rows
     return Stack(

@@ -1,4 +1,6 @@
-"""Bed `layers` in servo drive: every row exact between events, steady rows replayed from their own period."""
+"""Bed `layers` in prescribed motion: every row exact between events, periodic rows replayed from
+their stored period.
+"""
 
 from dataclasses import dataclass
 
@@ -8,13 +10,14 @@ from rig.beds.bed import Array, Reaction
 from rig.beds.janssen_stack import Stack
 from rig.drive.waveform import Sampling
 from rig.errors import InputError, Mistake
-from rig.kernels.rows.many_rows import MEMORY, Grid, follow
-from rig.kernels.rows.one_row import MAX_EVENTS, Rows
+from rig.kernels.rows.many_rows import MEMORY, EdgeGrid, follow
+from rig.kernels.rows.one_row import MAX_EVENTS, RowSet
 from rig.kernels.waveform import crossings, extrema
 
 
-class Layers:
-    """The rows of a stack in a box that follows a waveform; rows start at rest at the end wall x = 0.
+class LayersBed:
+    """The rows of a stack in a box that follows a waveform; rows start at rest at the end wall x =
+    0.
 
     Layers whose threshold the waveform never reaches ride as mass and are not simulated.
     """
@@ -29,7 +32,7 @@ class Layers:
         found = crossings(band, *self._coefficients, extrema(*self._coefficients))
         flowing = np.flatnonzero(found.counts)
         play = stack.play[flowing] / motion.length_unit
-        self._rows = Rows(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
+        self._rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
         self._memory = np.zeros(play.size, MEMORY)
         self._riding_mass = stack.mass - stack.row_mass * play.size
         self._velocity = _Velocity(np.zeros(0), np.zeros(0))
@@ -41,18 +44,22 @@ class Layers:
 
     @property
     def kinetic_at_start(self) -> float:
-        """Kinetic energy of the bed when the motion starts, J: all of it rides."""
+        """Kinetic energy of the bed when the motion starts, J: all of it rides with the box."""
         return 0.5 * self.mass * self._sampling.motion.start_velocity**2
 
     def advance(self, cycles: int) -> Reaction:
-        """The next whole cycles of the drive. Raises InputError where a row has more events than can be followed."""
+        """Advance by whole cycles of the drive. Raises InputError if a row has too many events to
+        follow.
+        """
         motion, mass = self._sampling.motion, self._stack.row_mass
         unit = motion.velocity_unit
         velocity = self._sampling.edges(self._cycles, cycles).velocity
+        # A sampling that repeats returns the same object: its scaled copy is made once.
+        # A sampling that repeats returns the same object: its scaled copy is made once.
         if self._velocity.box is not velocity:
             self._velocity = _Velocity(velocity, velocity[1:] / unit)
         momentum, ledger, repeats = follow(
-            Grid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
+            EdgeGrid(self._cycles, cycles, float(self._sampling.edges_per_cycle)),
             self._velocity.scaled,
             self._riding_mass / mass if mass else 0.0,
             mass * unit,
@@ -77,14 +84,20 @@ class Layers:
 
 @dataclass(frozen=True)
 class _Velocity:
-    """Box velocity at some edges, m/s, and without the edge before them in units of the waveform."""
+    """Box velocity at the sampling edges.
+
+    box : m/s, with the edge before the first
+    scaled : in units of the waveform, without that edge
+    """
 
     box: Array
     scaled: Array
 
 
 def cannot_follow(stack: Stack, what: str) -> InputError:
-    """The error for rows that cannot be followed; `what` tells in which respect."""
+    """Return the error for rows that cannot be followed; `what` completes the sentence "one row
+    ...".
+    """
     return InputError(
         Mistake(
             where="scene",

@@ -1,4 +1,4 @@
-"""Beds without an inner motion: empty, locked, and a dashpot of known coefficient."""
+"""Beds without internal motion: empty, locked, and a dashpot of known coefficient."""
 
 from dataclasses import dataclass, field
 
@@ -9,8 +9,8 @@ from rig.drive.waveform import Sampling, viscous_energy
 
 
 @dataclass
-class Locked:
-    """A mass bonded to the box: no loss at all, exactly. An empty box is the same with no mass."""
+class LockedBed:
+    """A mass bonded to the box: exactly no loss. An empty box is the same with zero mass."""
 
     mass: float
     sampling: Sampling
@@ -22,7 +22,7 @@ class Locked:
         return 0.5 * self.mass * self.sampling.motion.start_velocity**2
 
     def advance(self, cycles: int) -> Reaction:
-        """The next whole cycles: the momentum is the mass times the box's velocity."""
+        """Advance by whole cycles; the momentum is the mass times the box velocity."""
         velocity = self.sampling.edges(self._cycles, cycles).velocity[1:]
         self._cycles += cycles
         none = np.zeros(cycles)
@@ -30,8 +30,10 @@ class Locked:
 
 
 @dataclass
-class Dashpot:
-    """A viscous damper between the box and the ground: force on the box -c v, W = pi c w X^2 for a sine."""
+class DashpotBed:
+    """A viscous damper between the box and the ground: force on the box -c v, W = pi c w X^2 for a
+    sine.
+    """
 
     coefficient: float
     sampling: Sampling
@@ -44,11 +46,11 @@ class Dashpot:
 
     @property
     def kinetic_at_start(self) -> float:
-        """A dashpot has no kinetic energy."""
+        """A dashpot stores no kinetic energy."""
         return 0.0
 
     def advance(self, cycles: int) -> Reaction:
-        """The next whole cycles: the impulse of -c v is -c times the displacement."""
+        """Advance by whole cycles; the impulse of -c v is -c times the displacement."""
         position = self.sampling.edges(self._cycles, cycles).position[1:]
         self._cycles += cycles
         none = np.zeros(cycles)

@@ -1,4 +1,6 @@
-"""Bed `slug` in servo drive: all grains as one mass in the free gap that they leave, event by event."""
+"""Bed `slug` in prescribed motion: all grains as a single mass in the free gap that they leave,
+event by event.
+"""
 
 import math
 
@@ -12,26 +14,30 @@ from rig.errors import InputError, Mistake
 from rig.kernels.single_mass.many_cycles import follow
 from rig.kernels.single_mass.one_cycle import State, no_events
 from rig.protocol.spec import Scene
-from rig.theory.single_mass import Slug
+from rig.theory.single_mass import SingleMass
 
 LOOK_BACK = 64
-"""Longest period, in cycles, of which the stand is told that it may replay it."""
+"""Longest period, in calls of `advance`, that is reported to the stand for replay."""
 
 
 def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
-    """Room along the axis beside a bed at flowing density, m: L (1 - w phi_b/phi_f), 0 where there is none."""
+    """Return the clearance along the axis beside a bed at flowing density, m: L (1 - w
+    phi_b/phi_f), at least 0.
+    """
     along = scene.cavity.length if scene.axis == "horizontal" else scene.cavity.height
     return max(along * (1.0 - scene.grains.fill * filling.packing / rig.packing_loose), 0.0)
 
 
-def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
-    """The slug of a filling: its gap as the scene gives it, or from the fill. Without room it starts at rest."""
+def slug(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
+    """Return the single mass of a filling. Its gap comes from the scene, or from the fill if the
+    scene gives none; without a gap it starts at rest.
+    """
     settings, vertical = scene.slug, scene.axis == "vertical"
     if settings.gap == "none":
         low, high = 0.0 if vertical else -math.inf, math.inf
     else:
         low, high = 0.0, free_gap(scene, rig, filling) if settings.gap is None else float(settings.gap)
-    return Slug(
+    return SingleMass(
         mass=bed_mass(scene, filling.packing),
         low=low,
         high=high,
@@ -44,9 +50,11 @@ def slug(scene: Scene, rig: Rig, filling: Filling) -> Slug:
 
 
 class SlugBed:
-    """A slug in a box that follows a waveform. Its weight is not in the momentum: the stand carries it (`Stand`)."""
+    """A single mass in a box that follows a waveform. `momentum` excludes its weight: `Stand` adds
+    it.
+    """
 
-    def __init__(self, slug: Slug, sampling: Sampling) -> None:
+    def __init__(self, slug: SingleMass, sampling: Sampling) -> None:
         motion = sampling.motion
         self._slug = slug
         self._sampling = sampling
@@ -64,12 +72,16 @@ class SlugBed:
 
     @property
     def kinetic_at_start(self) -> float:
-        """Energy when the motion starts, J: kinetic, and potential above the floor where it has weight."""
+        """Energy when the motion starts, J: kinetic, plus potential above the floor where it has
+        weight.
+        """
         slug, velocity = self._slug, self._sampling.motion.start_velocity
         return slug.mass * (0.5 * (velocity + slug.velocity) ** 2 + slug.weight * slug.start)
 
     def advance(self, cycles: int) -> Reaction:
-        """The next whole cycles of the drive. Raises InputError where there are more events than can be followed."""
+        """Advance by whole cycles of the drive. Raises InputError if there are too many events to
+        follow.
+        """
         unit = self._sampling.motion.velocity_unit
         velocity: Array = self._sampling.edges(self._cycles, cycles).velocity[1:] / unit
         repeats = self._repeats()
@@ -94,14 +106,18 @@ class SlugBed:
         )
 
     def _repeats(self) -> int:
-        """Calls of `advance` after which the very same state has come back, 0 for none yet."""
+        """Return after how many calls of `advance` the current state has recurred exactly; 0 for
+        none yet.
+        """
         back = next((n for n, state in enumerate(reversed(self._passed), 1) if state == self._state), 0)
         self._passed = [*self._passed[1 - LOOK_BACK :], self._state]
         return back
 
 
-def too_many_events(slug: Slug) -> InputError:
-    """The error for a slug that bounces more often in a cycle than can be followed."""
+def too_many_events(slug: SingleMass) -> InputError:
+    """Return the error for a single mass that bounces more often in a cycle than can be
+    followed.
+    """
     return InputError(
         Mistake(
             where="scene",

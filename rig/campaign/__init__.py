@@ -1,1 +1,3 @@
-"""Which runs there are, where they are computed, recorded, resumed: the only place that sees all three packages."""
+"""Campaigns: their runs, where those are computed, recording and resuming. The only place that sees
+all three packages.
+"""

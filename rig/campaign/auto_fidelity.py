@@ -1,4 +1,6 @@
-"""`fidelity: auto` for a whole protocol: every condition with its instruments, and what the session tells of it."""
+"""`fidelity: auto` for a whole protocol: the choice for every condition with its instruments, and
+its description.
+"""
 
 import math
 import os
@@ -13,7 +15,7 @@ from rig.beds.janssen_stack import nominal
 from rig.beds.registry import BEDS
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
-from rig.fidelity.choice import Choice
+from rig.fidelity.choice import FidelityChoice
 from rig.fidelity.choose import Asked, Noise, choose
 from rig.fidelity.rows import SHARE
 from rig.protocol.spec import Condition, Protocol
@@ -23,11 +25,15 @@ from rig.stand.channels import Instruments
 COSTS = ("auto", "written", "resolved")
 
 
-def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments) -> dict[str, Choice]:
-    """The choice for every condition, by id. Raises InputError where a bed cannot be followed."""
+def chosen(
+    protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools: Instruments
+) -> dict[str, FidelityChoice]:
+    """Return the choice for every condition, by id. Raises InputError if a bed cannot
+    be followed.
+    """
     asked = Asked.of(protocol)
 
-    def one(condition: Condition) -> Choice:
+    def one(condition: Condition) -> FidelityChoice:
         mass = _moving_mass(condition, rig)
         motion = Waveform(condition.drive.frequency, condition.drive.acceleration)
         losses = float(losses_of(condition.scene, rig, mass).energies(motion).sum())
@@ -37,16 +43,17 @@ def chosen(protocol: Protocol, conditions: Sequence[Condition], rig: Rig, tools:
         return {c.id: choice for c, choice in zip(conditions, pool.map(one, conditions), strict=True)}
 
 
-def choices_text(choices: Mapping[str, Choice]) -> str:
-    """A line for each condition: what a session has to agree with to be gone on with."""
-    return "".join(
-        f"{name}: {f'{c.rows} rows, ' if c.rows else ''}settle {c.settle} cycles, record {c.record} cycles\n"
-        for name, c in choices.items()
-    )
+def choices_text(choices: Mapping[str, FidelityChoice]) -> str:
+    """Return one line per condition: a session must agree with it to be resumed."""
+    lines = []
+    for name, choice in choices.items():
+        rows = f"{choice.rows} rows, " if choice.rows else ""
+        lines.append(f"{name}: {rows}settle {choice.settle} cycles, record {choice.record} cycles\n")
+    return "".join(lines)
 
 
-def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]:
-    """The choices as the session and the report tell them; costs are sums over all runs."""
+def choices_document(choices: Mapping[str, FidelityChoice], runs: int) -> dict[str, Any]:
+    """Return the choices for session and report; costs are sums over all runs."""
     every = tuple(choices.values())
     return {
         "mode": "auto",
@@ -65,7 +72,7 @@ def choices_document(choices: Mapping[str, Choice], runs: int) -> dict[str, Any]
 
 
 def _moving_mass(condition: Condition, rig: Rig) -> float:
-    """Box, gauge side and bed, kg."""
+    """Return the mass of box, gauge side and bed, kg."""
     scene, drive = condition.scene, condition.drive
     bed = BEDS[scene.bed](
         scene, rig, nominal(scene, rig), Sampling(Waveform(drive.frequency, drive.acceleration), 64.0)
@@ -74,7 +81,10 @@ def _moving_mass(condition: Condition, rig: Rig) -> float:
 
 
 def _noise(condition: Condition, tools: Instruments, mass: float) -> Noise:
-    """The instruments in one condition. The force is that of the whole mass riding: a sliding bed asks for no more."""
+    """Return the effect of the instruments in one condition.
+
+    The force amplitude is that of the whole mass riding along: a sliding bed needs no more.
+    """
     drive = condition.drive
     rate = tools.analyzer.rate_for(drive.frequency, condition.acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency

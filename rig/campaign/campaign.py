@@ -1,4 +1,4 @@
-"""A protocol with every choice made, and nothing computed yet."""
+"""A fully resolved protocol, before anything is computed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,20 +14,21 @@ from rig.stand.channels import Instruments
 from rig.stand.ledger import COLUMNS, COUPLED_COLUMNS
 
 if TYPE_CHECKING:
-    from rig.fidelity.choice import Choice
+    from rig.fidelity.choice import FidelityChoice
 
 Array = NDArray[np.float64]
 
 LEVEL_OF = "acceleration"
-"""The channel that the level control reads."""
+"""The channel that is used for level control."""
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A protocol with every choice made and nothing computed yet. Seeds hang on content: (seed, condition, repeat).
+    """A fully resolved protocol, before anything is computed. Seeds depend on content: (seed,
+    condition, repeat).
 
-    ablate : let every run tell, in one more column of its ledger, what its bed would take in the exact waveform
-    choices : what `fidelity: auto` chose, by condition; it stands in the conditions already
+    ablate : whether every run adds a ledger column with the energy of its bed in the exact waveform
+    choices : results of `fidelity: auto` by condition, already applied to `conditions`
     """
 
     protocol: Protocol
@@ -38,22 +39,22 @@ class Campaign:
     lengths: dict[str, Lengths]
     instruments: Instruments
     ablate: bool = False
-    choices: "Mapping[str, Choice]" = field(default_factory=dict)
+    choices: "Mapping[str, FidelityChoice]" = field(default_factory=dict)
 
     @property
     def averaged(self) -> dict[str, int]:
-        """Cycles over which W_T averages rows without a period, where that was chosen, by condition."""
+        """Cycles over which W_T averages rows without a period, by condition, if chosen."""
         return {name: choice.averaged for name, choice in self.choices.items()}
 
     @property
     def rig_time(self) -> float:
-        """Seconds of motion that the whole protocol lasts."""
+        """Total duration of motion of the whole protocol, s."""
         once = sum(c.acquire.settle / c.drive.frequency + c.drive.swept_time(c.acquire.record) for c in self.conditions)
         return once * self.protocol.repeats.n
 
     @property
     def ledger_columns(self) -> tuple[str, ...]:
-        """Columns of the ledgers: those of coupled drive where any condition has it."""
+        """Columns of the ledgers: those of shaker-coupled drive if any condition has it."""
         columns = COUPLED_COLUMNS if self.coupled else COLUMNS
         if not self.ablate:
             return columns
@@ -63,13 +64,14 @@ class Campaign:
 
     @property
     def coupled(self) -> bool:
-        """Whether any condition is in coupled drive."""
+        """Whether any condition is in shaker-coupled drive."""
         return any(condition.drive.mode == "coupled" for condition in self.conditions)
 
     @property
     def recorded(self) -> bool:
-        """Whether W_T is also computed on the recorded waveform: in coupled drive, and with an ablation, which takes
-        causes apart."""
+        """Whether W_T is also computed on the recorded waveform: in shaker-coupled drive, and for
+        an ablation, which separates causes.
+        """
         return self.ablate or self.coupled
 
     @property

@@ -1,4 +1,6 @@
-"""Which conditions decide each claim of a protocol: plain data, so that the analysis needs no protocol to judge it."""
+"""The conditions that decide each claim of a protocol: plain data, so that the analysis can judge
+it without the protocol.
+"""
 
 from __future__ import annotations
 
@@ -16,44 +18,52 @@ Pick = Callable[[Condition], Any]
 
 
 def cases(protocol: Protocol, conditions: Sequence[Condition]) -> list[dict[str, Any]]:
-    """The claims for the session file: words, kind, limits, and `cases` with the conditions of each.
+    """Return the claims for the session file: words, kind, limits, and `cases` with the conditions
+    of each.
 
-    A case is {"at": {path: text}, "levels": [{"value": text, "conditions": [ids]}]}: one of the combinations of the
-    other fields that vary. Levels stand in the order of the claim; a level has several conditions where the claim is
-    about a mean over them. A value that no condition has gives no level.
+    A case is {"at": {path: text}, "levels": [{"value": text, "conditions": [ids]}]}: one
+    combination of the other varied fields. Levels are in the order of the claim; a level has
+    several conditions if the claim is about a mean over them. A value that no condition has gives
+    no level.
     """
     return [_claim(claim, protocol, conditions) for claim in protocol.expect]
 
 
 TOLD = {"scene.bed", "scene.grains.material", "scene.grains.density", "scene.grains.diameter", "scene.grains.fill",
         "drive.mode", "drive.frequency", "drive.acceleration"}  # fmt: skip
-"""Paths whose values the report's table of conditions has anyway."""
+"""Paths whose values are in the report's table of conditions anyway."""
 
 
 def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
-    """What else the protocol varies, by the last word of its path: the condition's values for people."""
-    paths = [path for axis in protocol.vary for path in axis.paths if path not in TOLD and "." in path]
-    return {
-        path.rpartition(".")[2]: _text(path, _at(condition, path))
-        for path in paths
-        if not is_dataclass(_at(condition, path))
-    }
+    """Return the condition's values of the other varied fields, readable, by the last word of the
+    path.
+    """
+    found = {}
+    for axis in protocol.vary:
+        for path in axis.paths:
+            if path in TOLD or "." not in path:
+                continue
+            value = _at(condition, path)
+            if not is_dataclass(value):
+                found[path.rpartition(".")[2]] = _text(path, value)
+    return found
 
 
 def label(path: str, value: Any) -> str:
-    """A field's value for people: "5 mm", "0.90", "stainless"."""
+    """Return a field's value in readable form: "5 mm", "0.90", "stainless"."""
     quantity = quantity_of(annotation_at(Protocol, path))
     if quantity is None or isinstance(value, str | bool) or value is None:
         return str(value)
     if quantity.dimension == "number":
         return f"{value:.2f}" if isinstance(value, float) and round(value, 2) == value else f"{value:.6g}"
     numbers = {unit: f"{value / float(scale):.6g}" for unit, scale in UNITS[quantity.dimension].items()}
+    # Of all units the one that needs the fewest digits.
     shortest = min(numbers, key=lambda unit: len(numbers[unit]))
     return f"{numbers[shortest]} {shortest}"
 
 
 def _claim(claim: Expect, protocol: Protocol, conditions: Sequence[Condition]) -> dict[str, Any]:
-    chosen = [c for c in conditions if all(_at(c, path) in values for path, values in claim.at.items())]
+    chosen = [condition for condition in conditions if _concerns(claim, condition)]
     found = _cases(claim, _others(claim, protocol), chosen)
     return {
         "claim": claim.claim,
@@ -67,23 +77,34 @@ def _claim(claim: Expect, protocol: Protocol, conditions: Sequence[Condition]) -
     }
 
 
+def _concerns(claim: Expect, condition: Condition) -> bool:
+    """Return whether a condition has the values to which the claim is restricted."""
+    return all(_at(condition, path) in values for path, values in claim.at.items())
+
+
 def _at(condition: Condition, path: str) -> Any:
     return reduce(getattr, path.split("."), condition)
 
 
 def _others(claim: Expect, protocol: Protocol) -> list[str]:
-    """The varied paths that tell one case from another: not what the claim is about, nor what varies with it."""
+    """Return the varied paths that distinguish cases: neither the claim's own path nor paths that
+    vary with it.
+    """
     paths = []
     for axis in protocol.vary:
         about = [axis.paths.index(path) for path in (claim.path, claim.over) if path in axis.paths]
         rows = [[row[column] for column in about] for row in axis.rows]
         if about and all(rows.count(row) == 1 for row in rows):
-            continue  # the other paths of this axis vary with it, one value for each of its own
+            # The other paths of this axis vary with it, one value for each of its own.
+            continue
         paths += [path for path in axis.paths if path not in (claim.path, claim.over)]
     return paths
 
 
 def _cases(claim: Expect, others: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str, Any]]:
+    """Return the cases of a claim: the chosen conditions grouped by the values of the
+    other paths.
+    """
     if claim.kind == "offset_within":
         return _groups([claim.path] if claim.path else [], chosen)
     groups: dict[str, tuple[dict[str, str], list[Condition]]] = {}
@@ -103,7 +124,7 @@ def _text(path: str, value: Any) -> str:
 
 
 def _groups(paths: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str, Any]]:
-    """Conditions together for each value of the paths, as one level."""
+    """Return the conditions grouped by the values of the paths, each group as one level."""
     found: dict[str, dict[str, Any]] = {}
     for condition in chosen:
         at = {path: _text(path, _at(condition, path)) for path in paths}
@@ -113,13 +134,16 @@ def _groups(paths: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str,
 
 
 def _distinct(places: Sequence[dict[str, str]]) -> list[dict[str, str]]:
-    """The places without the fields that are the same in all of them."""
-    differing = [path for path in (places[0] if places else ()) if len({place[path] for place in places}) > 1]
+    """Return the places without the fields that are equal in all of them."""
+    if not places:
+        return []
+    first = places[0]
+    differing = [path for path in first if any(place[path] != first[path] for place in places)]
     return [{path: place[path] for path in differing} for place in places]
 
 
 def _levels(claim: Expect, members: Sequence[Condition]) -> list[dict[str, Any]]:
-    """The values that take part, in the order of the claim, with the conditions that have them."""
+    """Return the values of a claim that occur, in its order, with the conditions that have them."""
     values = list(dict.fromkeys(_at(condition, claim.path) for condition in members))
     if claim.kind in ("rise", "fall") and all(isinstance(value, int | float) for value in (*values, *claim.values)):
         first, last = claim.values
@@ -129,10 +153,8 @@ def _levels(claim: Expect, members: Sequence[Condition]) -> list[dict[str, Any]]
         values = [value for value in claim.values if value in values]
     elif claim.kind not in LISTS:
         values.sort()
-    return [
-        {
-            "value": label(claim.path, value),
-            "conditions": [condition.id for condition in members if _at(condition, claim.path) == value],
-        }
-        for value in values
-    ]
+    levels = []
+    for value in values:
+        ids = [condition.id for condition in members if _at(condition, claim.path) == value]
+        levels.append({"value": label(claim.path, value), "conditions": ids})
+    return levels

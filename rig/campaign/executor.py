@@ -1,4 +1,4 @@
-"""Where the tasks of a campaign are computed: the one interface, whatever computes them."""
+"""Where the tasks of a campaign are computed: one interface for all implementations."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -6,16 +6,16 @@ from typing import Any, Protocol
 
 
 class Task(Protocol):
-    """Something to compute; `name` stands in messages."""
+    """A unit of work; messages use its `name`."""
 
     @property
     def name(self) -> str:
-        """A word for it."""
+        """A short name."""
         ...
 
 
 class Item(Protocol):
-    """Something that a task gives."""
+    """A result of a task."""
 
     @property
     def ends(self) -> bool:
@@ -24,22 +24,24 @@ class Item(Protocol):
 
 
 Compute = Callable[[Any], Iterator[Any]]
-"""From a task to its items, the same whenever and wherever it is called: a function that can be pickled."""
+"""From a task to its items, the same at any time and place: a function that can be pickled."""
 
 
 class Executor(Protocol):
-    """Computes tasks somewhere: in processes of this machine (`rig.campaign.workers`), or on other machines.
+    """Computes tasks somewhere: in processes of this machine (`rig.campaign.workers`), or on other
+    machines.
 
-    tests/conformance/test_executors.py holds every implementation to what follows.
+    tests/conformance/test_executors.py tests every implementation against this description.
     """
 
     def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> AbstractContextManager[Iterator[Any]]:
-        """Start on the tasks, in their order; give their items, and end all work after the block.
+        """Start the tasks, in their order; give an iterator of their items, and end all work after
+        the block.
 
-        No task of a stage is begun before all items of the stage before have come. Every item comes once, each task's
-        in order; the tasks of a stage may come interleaved. A task whose worker is lost is computed again and goes on
-        after the item that came last: it is the same task, to the byte. Raised from the iteration: what `compute`
-        raises, as it was raised; WorkerLost where nothing is left that computes; WorkerFailed for a defect. Nothing
-        that is lost is waited for.
+        No task of a stage starts before all items of the previous stage have arrived. Every item
+        arrives once, each task's in order; tasks of a stage may be interleaved. A task whose worker
+        is lost is computed again and continues after the last item received: same task, same bytes.
+        The iterator raises: exceptions of `compute`, unchanged; WorkerLost if no worker is left;
+        WorkerFailed for a defect. It never waits for lost work.
         """
         ...

@@ -1,4 +1,4 @@
-"""Samples of a run while its replay brings them: the analysis takes each stretch as its blocks come in."""
+"""Samples of a run during replay: the analysis consumes each stretch as its blocks arrive."""
 
 from collections.abc import Iterator
 
@@ -11,10 +11,10 @@ from daq.session.record import Record
 
 
 class IncomingSignals:
-    """The samples of one run, for `analysis.run_energy`: taken from `blocks`, which are pulled as they are needed.
+    """The samples of one run for `analysis.run_energy`, from `blocks`, which are pulled on demand.
 
-    Stretches are asked for in order, so that only the blocks of the last one are kept. Earlier samples, and those asked
-    for again, are read from the record.
+    Sequential reads are served from the live blocks; only the current window is buffered. Earlier
+    or repeated reads fall back to the file.
     """
 
     def __init__(self, record: Record, run: str, blocks: Iterator[Block]) -> None:
@@ -26,7 +26,7 @@ class IncomingSignals:
         self._rows = {name: row for row, name in enumerate(record.channels)}
 
     def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
-        """Samples start..stop of a channel in engineering units."""
+        """Return samples start..stop of a channel in engineering units."""
         last = self._record.run(run).samples if stop is None else stop
         self._pull(start, last)
         if run != self._run or not self._kept or start < self._kept[0].start:
@@ -34,12 +34,13 @@ class IncomingSignals:
         return self._record.signal_of(run, name, start, self._codes(self._rows[name], start, last))
 
     def drain(self) -> None:
-        """Take the blocks that nothing asked for."""
+        """Consume the blocks that were not read."""
         self._kept.clear()
         for _ in self._blocks:
             pass
 
     def _pull(self, start: int, stop: int) -> None:
+        # Only a read that moves forward may drop blocks; an earlier one is served from the file.
         if start >= self._end or (self._kept and self._kept[0].start <= start):
             self._kept = [block for block in self._kept if block.start + block.count > start]
         while self._end < stop:
@@ -51,9 +52,8 @@ class IncomingSignals:
                 self._kept.append(block)
 
     def _codes(self, row: int, start: int, stop: int) -> NDArray[np.int32]:
-        parts = [
-            block.codes[row, max(start - block.start, 0) : stop - block.start]
-            for block in self._kept
-            if block.start < stop and block.start + block.count > start
-        ]
+        parts = []
+        for block in self._kept:
+            if block.start < stop and block.start + block.count > start:
+                parts.append(block.codes[row, max(start - block.start, 0) : stop - block.start])
         return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -1,4 +1,6 @@
-"""Setting the emulated rig's losses, once: from the ledger with ideal sensors, never from a factor on W."""
+"""Calibration of the emulated rig's losses, done once: from the ledger with ideal sensors, never by
+a factor on W.
+"""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,8 +28,12 @@ from rig.stand.exact_waveform import account_of, level, taken_by_bed
 
 @dataclass(frozen=True)
 class Account:
-    """One run without noise and air, J per cycle: what bed, gas and mount took, W_T at the level reached, and what
-    unit coefficients of noise and air would take."""
+    """One run without noise and air, J per cycle.
+
+    there : energy dissipated in bed, gas and mount
+    predicted : W_T at the level reached
+    noise, air : energy that unit coefficients of noise and air would dissipate
+    """
 
     there: float
     predicted: float
@@ -38,11 +44,12 @@ class Account:
 def calibrated(
     campaign: Campaign, target: float, workers: int, progress: Callable[[int, int], None] = lambda _done, _of: None
 ) -> Rig:
-    """The campaign's rig with `noise` and `air` set in equal shares so that sum W_exp / sum W_T = 1 + target.
+    """Return the campaign's rig with `noise` and `air` such that sum W_exp / sum W_T = 1 + target,
+    in equal parts.
 
-    Gas and mount count with the bed where the protocol lists them. Raises InputError where a null test of the
-    instruments would fail, and where the protocol dissipates nothing or its beds already take more than that.
-    `progress` is called with the runs done, of how many.
+    Gas and mount count with the bed if the protocol lists them. Raises InputError if a null test of
+    the instruments would fail, if the protocol dissipates nothing, or if its beds already dissipate
+    more than that. `progress` is called with the number of runs done and the total.
     """
     _check_nulls(campaign)
     accounts = _accounts(campaign, workers, progress)
@@ -62,9 +69,11 @@ def calibrated(
 
 
 def _check_nulls(campaign: Campaign) -> None:
-    """Refuse instruments whose locked bed would not look like mass: energies that they measure hold a phase error.
+    """Reject instruments with which a locked bed would not look like mass: their energies contain a
+    phase error.
 
-    The angle that correction by the certified poles leaves, from the actual ones, against its expanded uncertainty.
+    The residual angle between the actual poles and the correction by the certified ones is compared
+    with its expanded uncertainty.
     """
     tools, rate = campaign.instruments, campaign.lengths[campaign.conditions[0].id].rate
     info = {channel.name: channel for channel in tools.table(rate, FILTER_DELAY)}
@@ -107,7 +116,9 @@ def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Acc
 
 
 def _provenance(campaign: Campaign, target: float, found: dict[str, float]) -> dict[str, Any]:
-    """How the coefficients came about, beside their first-principles sizes: effective values, no explanation."""
+    """Return the origin of the coefficients, with first-principles values for comparison: effective
+    values, no explanation.
+    """
     cavity = campaign.conditions[0].scene.cavity
     height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
     omega = 2.0 * np.pi * campaign.conditions[0].drive.frequency

@@ -1,4 +1,6 @@
-"""Settings of a protocol that the paper leaves open: assumed values, listed in every report beside the rig file's."""
+"""Protocol settings that the paper does not state: assumed values, listed in every report with
+those of the rig file.
+"""
 
 from collections.abc import Sequence
 from operator import attrgetter
@@ -16,11 +18,13 @@ OPEN = (
     ("drive.frequency", "frequency", "the paper gives none"),
     ("drive.mode", "", "the paper does not say; servo is an ideal waveform, coupled has the exciter in the loop"),
 )
-"""Path, dimension, why it is assumed."""
+"""Path, dimension, reason of the assumption."""
 
 
 def assumed_settings(conditions: Sequence[Condition]) -> list[dict[str, Any]]:
-    """The open settings with their values over all conditions, in the form of the rig file's values."""
+    """Return the assumed settings with their values over all conditions, in the form of the rig
+    file's values.
+    """
     return [
         {
             "path": path,
@@ -34,5 +38,6 @@ def assumed_settings(conditions: Sequence[Condition]) -> list[dict[str, Any]]:
 
 
 def _over_all(path: str, conditions: Sequence[Condition]) -> Any:
+    """Return the value of a setting, or all its values in one text."""
     found = list(dict.fromkeys(map(attrgetter(path), conditions)))
     return found[0] if len(found) == 1 else ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in found)

@@ -1,4 +1,4 @@
-"""Where a session comes from: versions, seeds, platform, command line."""
+"""Origin of a session: versions, seeds, platform, command line."""
 
 import hashlib
 import importlib
@@ -18,16 +18,18 @@ CHOSEN = (
     "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_NUM_THREADS",
     "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_CORETYPE",
 )  # fmt: skip
-"""Variables of the environment that choose instructions and threads."""
+"""Environment variables that select instruction sets and threads."""
 
 
 def now() -> str:
-    """The time, ISO 8601 with zone."""
+    """Return the time, ISO 8601 with zone."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def provenance(protocol_text: str, seed: int, rig_time: float) -> dict[str, Any]:
-    """What a session states about its making; none of it goes into the report, so that equal runs give equal bytes."""
+    """Return the provenance of a session. It does not enter the report, so that equal runs give
+    equal bytes.
+    """
     return {
         **_making(),
         "protocol_sha256": hashlib.sha256(protocol_text.encode()).hexdigest(),
@@ -38,12 +40,14 @@ def provenance(protocol_text: str, seed: int, rig_time: float) -> dict[str, Any]
 
 
 def replay_provenance(speed: float | None) -> dict[str, Any]:
-    """What a replayed session adds to the provenance of the one it was made from. speed: None for max."""
+    """Return the addition of a replay to the provenance of the original session. speed : None for
+    maximum.
+    """
     return {**_making(), "speed": "max" if speed is None else speed}
 
 
 def _making() -> dict[str, Any]:
-    """When, by which command, on what."""
+    """Return time, command and platform."""
     return {
         "created": now(),
         "command": visible(" ".join(sys.argv)),
@@ -56,8 +60,11 @@ def _making() -> dict[str, Any]:
 
 
 def cpu() -> dict[str, str]:
-    """Return what of the processor the numbers hang on: kernels and numpy choose their instructions by it, and with
-    them the order of sums (docs/conventions.md); and what the environment says of both."""
+    """Return the processor properties and environment variables on which the numbers depend.
+
+    Kernels and numpy select instructions by them, and thereby the order of sums
+    (docs/conventions.md).
+    """
     binding: Any = importlib.import_module("llvmlite.binding")  # untyped; heavy
     features = binding.get_host_cpu_features()
     return {
@@ -69,7 +76,7 @@ def cpu() -> dict[str, str]:
 
 
 def version_of(name: str) -> str:
-    """Version of an installed distribution, or that there is none."""
+    """Return the version of an installed distribution, or "not installed"."""
     try:
         return version(name)
     except PackageNotFoundError:
@@ -77,7 +84,9 @@ def version_of(name: str) -> str:
 
 
 def commit() -> str:
-    """Commit of the source tree that runs, "" where it is not a checkout or git is not there."""
+    """Return the commit of the running source tree, "" if it is not a checkout or git
+    is missing.
+    """
     tree = Path(__file__).resolve().parents[2]
     if not (tree / ".git").exists():
         return ""

@@ -1,7 +1,8 @@
-"""The main job: conditions on workers, recorded by one writer, analysed from the record, resumed.
+"""The main job: conditions on workers, recorded by one writer, analysed from the record, resumable.
 
-The calling thread writes what the workers compute and analyses each run as soon as it is recorded, so that memory does
-not grow with the length of a record and nothing depends on the number of workers.
+The calling thread writes the results of the workers and analyses each run as soon as it is
+recorded, so that memory does not grow with the length of a record and nothing depends on the number
+of workers.
 """
 
 import importlib
@@ -28,10 +29,10 @@ from rig.protocol.schedule import Run
 from rig.protocol.spec import Condition, Protocol
 
 if TYPE_CHECKING:
-    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.live import LiveUpdate
 
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
-"""Modules that are needed when the workers have nothing left to do, and so are loaded before."""
+"""Modules that are needed when the workers have finished, loaded beforehand while they are busy."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +43,14 @@ class ToPredict:
 
     @property
     def name(self) -> str:
-        """The condition's id."""
+        """The id of the condition."""
         return self.condition.id
 
 
 def computed(campaign: Campaign, speed: float | None, task: ToPredict | Run) -> Iterator[Forecast | Part]:
-    """Compute a task: the forecast of a condition, or the parts of a run, held to `speed` (rig seconds per wall second,
-    None: as fast as possible).
+    """Compute a task: the forecast of a condition, or the parts of a run.
+
+    speed : rig seconds per wall second (None: as fast as possible)
 
     Raises InputError, MemoryError, and Overrun after the part that came too late.
     """
@@ -67,15 +69,17 @@ def run(
     resume: bool = False,
     overwrite: bool = False,
     progress: Watch = lambda _: None,
-    look: "Callable[[Look], None] | None" = None,
+    live: "Callable[[LiveUpdate], None] | None" = None,
     executor: Executor | None = None,
 ) -> dict[str, Any]:
-    """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
-    returns the report.
+    """Run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report
+    there; returns the report.
 
-    `speed` is rig seconds per wall second (None: as fast as possible); a paced campaign runs one run after the other.
-    `progress` is told of every run, `look` of every block. `executor`: where the runs are computed, instead of in
-    `workers` processes of this machine: predictions, then runs; it is at work while the session file is built.
+    speed : rig seconds per wall second (None: as fast as possible); a paced campaign runs one run
+        after the other
+    progress : called after every run; live : called after every block
+    executor : where runs are computed, instead of in `workers` processes of this machine:
+        predictions first, then runs; it works while the session file is built
     """
     if isinstance(campaign, Protocol):
         campaign = campaign_of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
@@ -102,17 +106,20 @@ def run(
             plan = session_plan(campaign, found)
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
-        if (out / "report.json").exists():  # of what was recorded before
+        if (out / "report.json").exists():
+            # A report of an earlier record.
             mark_unfinished(out)
         with recorder:
-            energies = record_parts(recorder, items, progress, look)
+            energies = record_parts(recorder, items, progress, live)
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
 
 
 def _finished(campaign: Campaign, path: Path) -> set[str]:
-    """Names of the runs that a session has got. Raises InputError where it is not a session of this very campaign."""
+    """Return the names of the complete runs of a session. Raises InputError if it is not a session
+    of this very campaign.
+    """
     from daq.session.record import open_session
     from rig.campaign.session_plan import identity
 
@@ -127,7 +134,7 @@ def _finished(campaign: Campaign, path: Path) -> set[str]:
 
 
 def _differs(path: Path, what: str, old: object, new: object) -> Mistake:
-    """The first line in which the session and what was asked for part."""
+    """Return the first line in which the session and the requested campaign differ."""
     pairs = zip_longest(str(old).splitlines(), str(new).splitlines(), fillvalue="nothing")
     before, after = next(((a, b) for a, b in pairs if a != b), ("", ""))
     return Mistake(

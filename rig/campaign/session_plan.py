@@ -1,4 +1,6 @@
-"""What a session file states before the first sample: conditions, predictions, instruments, provenance."""
+"""Contents of a session file before the first sample: conditions, predictions, instruments,
+provenance.
+"""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -8,7 +10,7 @@ from daq.session.plan import RunPlan, SessionPlan
 from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
-from rig.campaign.one_run.deliberate_errors import told
+from rig.campaign.one_run.deliberate_errors import error_facts
 from rig.campaign.one_run.scalars import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
 from rig.campaign.open_settings import assumed_settings
 from rig.campaign.provenance import now, provenance
@@ -24,7 +26,9 @@ SCALARS = tuple(Demand(*(0.0,) * 6).scalars())
 
 
 def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPlan:
-    """Everything that a session file holds except the samples; found: the forecasts by condition."""
+    """Return the contents of a session file except the samples; found : the forecasts
+    by condition.
+    """
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [
         condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate) for c in campaign.conditions
@@ -34,7 +38,7 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
     if protocol.mistake.kind is not None:
         rates = [campaign.lengths[c.id].rate for c in campaign.conditions]
         facts = [
-            {**fact, "mistake": told(protocol.mistake, campaign.rig, own)}
+            {**fact, "mistake": error_facts(protocol.mistake, campaign.rig, own)}
             for fact, own in zip(facts, rates, strict=True)
         ]
     return SessionPlan(
@@ -73,13 +77,17 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:
-    """An exciter for the session file, SI; `band` (Hz): up to where its current tells the force at the gauge."""
+    """Return an exciter for the session file, SI; `band` (Hz) : up to which its current indicates
+    the force at the gauge.
+    """
     return {**asdict(exciter), "band": solvable_band(exciter)}
 
 
 def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:
-    """What makes a session this campaign's, by document and key: protocol with its seed, what was chosen for it, and
-    rig, written out."""
+    """Return the data that identify a session as this campaign's, by document and key.
+
+    The protocol with its seed, its fidelity choices, and the rig, written out.
+    """
     choices = {"fidelity": choices_text(campaign.choices)} if campaign.choices else {}
     return {
         "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate, **choices},

@@ -1,8 +1,8 @@
 """Tasks computed by processes of this machine, which never see a file.
 
-Processes and not threads: the work is many short array operations, which one interpreter lock would serialise
-(docs/decisions/0002-worker-processes.md). Nothing is shared between them: a process that is killed while it holds
-a lock, or in the middle of a message, would hold up the others for ever.
+Processes, not threads: the work is many short array operations, which one interpreter lock would
+serialise (docs/decisions/0002-worker-processes.md). They share nothing: a process that is killed
+while it holds a lock, or in the middle of a message, would block the others for ever.
 """
 
 import logging
@@ -26,10 +26,12 @@ from rig.campaign.executor import Compute, Task
 from rig.errors import InputError, WorkerFailed, WorkerLost
 
 QUEUED = 256
-"""Items that may wait in a worker for the writer: 32 MB of two channels."""
+"""Items that may wait in a worker for the writer: 32 MB with two channels."""
 
 BEFOREHAND = 80
-"""Most tasks that a worker gets when a stage begins, to have something to do while the writer makes its file."""
+"""Most tasks that a worker gets when a stage starts, to keep it busy while the writer creates its
+file.
+"""
 
 log = logging.getLogger(__name__)
 
@@ -42,9 +44,9 @@ class Processes:
 
     @contextmanager
     def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> Iterator[Iterator[Any]]:
-        """Start the workers, as `Executor` says.
+        """Start the workers, as described in `Executor`.
 
-        Start them before a session file is opened: a forked worker shares what is open then.
+        To be called before a session file is opened: a forked worker shares all open files.
         """
         fork = sys.platform == "linux"
         context: Any = multiprocessing.get_context("fork" if fork else "spawn")
@@ -58,8 +60,8 @@ class Processes:
             for _ in range(count):
                 here, there = context.Pipe()
                 pipes.append(here)
-                # a forked worker has the near ends of all pipes made so far: it closes them, or else those workers
-                # would never see that this process is gone
+                # A forked worker inherits the near ends of all pipes made so far. It closes them;
+                # otherwise those workers would never notice the end of this process.
                 inherited = tuple(pipes) if fork else ()
                 process = context.Process(target=_work, args=(compute, tasks, there, inherited), daemon=True)
                 process.start()
@@ -71,7 +73,7 @@ class Processes:
 
 
 class _Hands:
-    """Hands out tasks by their number, stage by stage, and takes what comes back."""
+    """Distributes tasks by their number, stage by stage, and collects the results."""
 
     def __init__(self, tasks: Sequence[Task], sizes: Sequence[int], pipes: Sequence[Connection]) -> None:
         ends = list(accumulate(sizes))
@@ -82,7 +84,9 @@ class _Hands:
         self._known = [0] * len(tasks)
 
     def begin(self) -> None:
-        """Begin the next stage that has tasks, where nothing is left of the one before; give every worker several."""
+        """Start the next stage that has tasks, once the previous one is complete; give every worker
+        several tasks.
+        """
         while self._stages and not (self._left or any(self._given.values())):
             self._left.extend(self._stages.popleft())
             beforehand = min(BEFOREHAND, len(self._left) // (2 * len(self._given))) if self._given else 0
@@ -90,9 +94,10 @@ class _Hands:
                 self._give(depth)
 
     def received(self) -> Iterator[Any]:
-        """Give what comes back, until nothing is left.
+        """Yield the results until no work is left.
 
-        A pipe ends with its worker, even in the middle of a message; what the worker had to do goes to the others.
+        A pipe ends with its worker, even in the middle of a message; its tasks go to the other
+        workers.
         """
         lost: set[int] = set()
         while self._left or any(self._given.values()):
@@ -108,6 +113,8 @@ class _Hands:
                     continue
                 if isinstance(item, BaseException):
                     raise item
+                # A worker computes its tasks in order: the item belongs to the first one that has
+                # not ended.
                 number = self._given[pipe][0]
                 self._known[number] += 1
                 if item.ends:
@@ -118,8 +125,10 @@ class _Hands:
                 yield item
 
     def _lose(self, pipe: Connection) -> Sequence[int]:
-        """Put back what a worker had that is gone. Which task it was at is not known: what it had not sent yet is gone
-        with it."""
+        """Return the tasks of a lost worker to the queue.
+
+        Which of them it was computing is unknown, because its unsent items are lost as well.
+        """
         numbers = self._given.pop(pipe)
         self._left.extendleft(reversed(numbers))
         if numbers and self._given:
@@ -128,13 +137,19 @@ class _Hands:
         return numbers
 
     def _hand_out(self) -> None:
-        """Give every worker a task, and the next one beforehand while more are left than there are workers: none then
-        waits for the writer, nor at the end one task for another while a worker is idle."""
+        """Give every worker a task, and the next one in advance while more tasks are left than
+        there are workers.
+
+        Then no worker waits for the writer, and at the end no task waits behind another while a
+        worker is idle.
+        """
         for depth, kept in ((1, 0), (2, len(self._given))):
             self._give(depth, kept)
 
     def _give(self, depth: int, kept: int = 0) -> None:
-        """Give a task to every worker that has fewer than `depth`, while more than `kept` are left."""
+        """Give a task to every worker that has fewer than `depth`, while more than
+        `kept` are left.
+        """
         for pipe, numbers in self._given.items():
             if len(numbers) < depth and len(self._left) > kept:
                 numbers.append(self._left.popleft())
@@ -143,6 +158,7 @@ class _Hands:
 
 
 def _ended(names: Sequence[str]) -> str:
+    """Return the message for lost workers."""
     named = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
     return (
         f"the workers were ended from outside, as for want of memory, at {named}; "
@@ -151,7 +167,9 @@ def _ended(names: Sequence[str]) -> str:
 
 
 def _work(compute: Compute, tasks: Sequence[Task], pipe: Connection, inherited: Sequence[Connection]) -> None:
-    """Be one worker: compute the tasks that are asked for, until the pipe is closed or the process is killed."""
+    """Run as one worker: compute the requested tasks until the pipe closes or the process is
+    killed.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the other side's to handle
     for end in inherited:
         end.close()
@@ -171,7 +189,9 @@ def _work(compute: Compute, tasks: Sequence[Task], pipe: Connection, inherited: 
 
 
 def _relay(source: Callable[[], Any], sink: Callable[[Any], object]) -> None:
-    """Pass on what comes; end this process where that fails, as it does when the other side of the pipe is gone."""
+    """Pass on items; end this process if that fails, as it does when the other side of the pipe is
+    gone.
+    """
     try:
         while True:
             sink(source())

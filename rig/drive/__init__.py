@@ -1,1 +1,1 @@
-"""The programmed motion, and the exciter that has to produce it."""
+"""The prescribed motion, level control, and the exciter that has to produce the motion."""

@@ -1,4 +1,6 @@
-"""What the amplifier is told: harmonics of a fundamental that move smoothly from one command to the next."""
+"""The command to the amplifier: harmonics of a fundamental that change smoothly between
+commands.
+"""
 
 from dataclasses import dataclass
 
@@ -12,11 +14,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Command:
-    """Some cycles of u = Re sum_h U_h e^(j h theta), in V or A (peak), theta' = 2 pi frequency.
+    """A number of cycles of u = Re sum_h U_h e^(j h theta), in V or A (peak), theta' = 2 pi
+    frequency.
 
-    `phasors` (harmonics 1..H) are reached at the end of the command: they move in a straight line from where the
-    command before has left them, zero at the start. theta goes on from there as well. `sweep_to` : frequency in Hz at
-    the end of a linear sweep; None holds it.
+    phasors : harmonics 1..H at the end of the command. They change linearly from the final values
+        of the previous command (zero at the start of the run); theta is continuous as well
+    sweep_to : frequency at the end of a linear sweep, Hz; None for a constant frequency
     """
 
     phasors: tuple[complex, ...]
@@ -31,19 +34,22 @@ class Command:
 
     @property
     def duration(self) -> float:
-        """How long the command lasts, s."""
+        """Duration of the command, s."""
         return self.time_of(float(self.cycles))
 
     def time_of(self, turns: float) -> float:
-        """Time from the start after which the phase has made so many turns, s."""
+        """Return the time from the start at which the phase has advanced by `turns` turns, s."""
+        # Root of f t + pace t^2/2 = turns in the form without cancellation, valid for pace = 0.
         return 2.0 * turns / (self.frequency + float(np.sqrt(self.frequency**2 + 2.0 * self._pace * turns)))
 
     def turns_at(self, time: Array) -> Array:
-        """Turns of the phase since the start, at times from the start, s."""
+        """Return the turns of the phase since the start, at times from the start (s)."""
         return (self.frequency + 0.5 * self._pace * time) * time
 
     def values(self, before: tuple[complex, ...], time: Array) -> Array:
-        """The command at times from its start, s; `before` are the phasors that it starts from."""
+        """Return the command at times from its start (s), given the phasors `before` at
+        the start.
+        """
         turns = self.turns_at(time)
         share = time / self.duration
         theta = 2.0 * np.pi * (turns - np.floor(turns))
@@ -59,7 +65,7 @@ class Command:
 
     @property
     def _pace(self) -> float:
-        """Change of frequency per second, Hz/s: over the whole command the mean frequency is that of its ends."""
+        """Sweep rate, Hz/s: the mean frequency over the whole command is that of its ends."""
         last = self.last_frequency
         return (last**2 - self.frequency**2) / (2.0 * self.cycles)
 

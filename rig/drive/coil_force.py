@@ -1,4 +1,6 @@
-"""The force as the coil's current tells it: what moves armature and flexure is in it."""
+"""Force derived from the coil current: it includes the inertia and flexure forces of
+the armature.
+"""
 
 from dataclasses import dataclass
 
@@ -14,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Armature:
-    """Moving mass (kg), damping (N s/m) and stiffness (N/m) of its flexure."""
+    """Moving mass (kg) of an exciter, damping (N s/m) and stiffness (N/m) of its flexure."""
 
     mass: float
     damping: float
@@ -22,16 +24,17 @@ class Armature:
 
     @classmethod
     def of(cls, exciter: Exciter) -> "Armature":
-        """The armature of an exciter; c = 2 zeta sqrt(k m)."""
+        """Return the armature of an exciter; c = 2 zeta sqrt(k m)."""
         stiffness, mass = exciter.flexure_stiffness, exciter.moving_mass
         return cls(mass, float(2.0 * exciter.flexure_damping_ratio * np.sqrt(stiffness * mass)), stiffness)
 
 
 class CoilForce:
-    """A physical source (force, acceleration) whose force is BL i = F_gauge + m x'' + c x' + k x of an armature that
-    moves as the box does, against an exciter body held still.
+    """A physical source (force, acceleration) whose force is BL i = F_gauge + m x'' + c x' + k x.
 
-    x and x' are those of the motion at the middle of each interval: off from the means by (w h)^2/24, 1e-7.
+    The armature is assumed to move as the box does, and the exciter body to stand still. x and x'
+    are taken at the middle of each interval: they differ from the interval means by (w h)^2/24,
+    about 1e-7.
     """
 
     def __init__(self, source: PhysicalSource, armature: Armature, motion: Waveform) -> None:
@@ -40,7 +43,7 @@ class CoilForce:
         self._next = 0
 
     def read(self, n: int) -> Array:
-        """Next n interval means, shape (2, n)."""
+        """Return the next n interval means, shape (2, n)."""
         seen = self._source.read(n).copy()
         turns = (np.arange(self._next, self._next + n) + 0.5) * (self._motion.frequency / self.rate)
         position, velocity = self._motion.at(2.0 * np.pi * (turns - np.floor(turns)))

@@ -1,4 +1,6 @@
-"""A dwell in coupled drive: start-up, level control, settling and recording under a constant command, ramp-down."""
+"""A dwell in shaker-coupled drive: start-up, level control, settling and recording under a constant
+command, ramp-down.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,26 +14,28 @@ from rig.drive.level_control import Loop, Target, started, stepped
 Array = NDArray[np.float64]
 
 START_UP = 4
-"""Cycles in which the first command is reached from rest."""
+"""Cycles of the ramp from rest to the first command."""
 
 RAMP_DOWN = 4
-"""Cycles in which the last command is taken back to nothing."""
+"""Cycles of the ramp from the last command to zero."""
 
 HELD = 2
-"""Cycles of one command while the level is held."""
+"""Cycles per command while the level is held."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A dwell to be made at `frequency` (Hz).
+    """Settings of a dwell at `frequency` (Hz).
 
     guess : fundamental of the first command, V or A
-    targets : levels to be reached one after the other, the last one recorded; none: the guess is held, open loop
-    steady : cycles to be held under the last command
-    sweep : where so many of them begin (cycle), how many they are, and the frequency (Hz) that they sweep to, the rest
-    staying there; None for no sweep
-    response : acceleration of the box alone per command, harmonics 1, 2, ...: as many are controlled
-    reading : what the controller's accelerometer reads of a unit of true acceleration
+    targets : levels to be reached in turn, the last one recorded; without any, the guess is held
+        (open loop)
+    steady : cycles held under the last command
+    response : acceleration of the box alone per unit command, harmonics 1, 2, ...; its length is
+        the number of harmonics that are controlled
+    reading : output of the controller's accelerometer per unit of true acceleration
+    sweep : (first cycle of the sweep within the steady part, number of its cycles, final frequency
+        in Hz, which the remaining cycles keep); None for no sweep
     """
 
     frequency: float
@@ -43,8 +47,11 @@ class Plan:
     sweep: tuple[int, int, float] | None = None
 
     def at(self, cycle: int) -> float:
-        """Frequency when so many of the held cycles are over: it grows in a straight line over time, so its square does
-        over the cycles."""
+        """Return the frequency, Hz, after `cycle` steady cycles.
+
+        A sweep is linear in time, so the square of the frequency is linear in the number of cycles:
+        d(f^2)/dn = 2 f df/dn = 2 df/dt.
+        """
         if self.sweep is None:
             return self.frequency
         first, count, last = self.sweep
@@ -53,7 +60,12 @@ class Plan:
 
 
 def phasors(signal: Array, first: int, per_second: float, frequency: float, count: int) -> tuple[complex, ...]:
-    """Phasors (peak) of harmonics 1 to count of interval means that begin `first` intervals after time 0."""
+    """Return the phasors (peak) of harmonics 1 to `count` of a signal of interval means.
+
+    first : number of intervals between time 0 and the start of the signal
+    per_second : intervals per second
+    frequency : of the fundamental, Hz
+    """
     turns = (first + np.arange(signal.size) + 0.5) * (frequency / per_second)
     unit = np.exp(-2j * np.pi * (turns - np.floor(turns)))
     found, power = [], np.ones_like(unit)
@@ -64,12 +76,16 @@ def phasors(signal: Array, first: int, per_second: float, frequency: float, coun
 
 
 class Dwell:
-    """The driver of one dwell: each call takes the signals of the latest command and gives the next one.
+    """State machine of one dwell: each call takes the signals of the latest command and returns the
+    next.
 
-    acceleration, current : rows of these signals; rate : intervals per second
-    shares : of the exciter's limits used in the latest cycle, by name, given the fundamental of the current
+    acceleration, current : row numbers of these two signals
+    rate : intervals per second
+    shares : function from the fundamental of the current, A, to the used fraction of each exciter
+        limit in the latest cycle, by name
 
-    `loop` is the state of the level control, `steady_from` the cycle from which on the command is held (None: not yet).
+    `loop` is the state of the level control; `steady_from` is the first cycle of the held command
+    (None until then).
     """
 
     def __init__(
@@ -86,7 +102,7 @@ class Dwell:
         self._intervals = 0
 
     def __call__(self, signals: Array | None) -> Command:
-        """The next command."""
+        """Return the next command; `signals` is None at the first call."""
         if signals is None:
             return self._next(self.loop.command, START_UP)
         first = self._intervals
@@ -109,7 +125,7 @@ class Dwell:
         return Command(phasor, end, cycles)
 
     def _control(self, signals: Array, first: int) -> None:
-        """One step of the loop from the last cycle of the signals."""
+        """Advance the control loop with the last cycle of the signals."""
         if not self._left:
             self.steady_from = self._cycles
             return
@@ -125,6 +141,8 @@ class Dwell:
         self.loop = stepped(self.loop, self._left[0], measured, shares, self._plan.response)
         if self.loop.status == "seeking":
             return
+        # The last target, reached or not, is what is recorded; earlier ones are stations on the
+        # way.
         if len(self._left) == 1:
             self.steady_from = self._cycles
         else:

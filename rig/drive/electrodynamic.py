@@ -1,14 +1,16 @@
-"""The electrodynamic exciter with stinger and box as one linear system: its matrices and its frequency response.
+"""The electrodynamic exciter with stinger and box as one linear system: matrices and frequency
+response.
 
-Armature x_a, body x_b, box x (m), coil current i (A), amplifier voltage e (V); forces act on the box, r = x_a - x_b:
+Armature x_a, body x_b, box x (m), coil current i (A), amplifier voltage e (V); f is the external
+force on the box (N), r = x_a - x_b:
 
     m_a x_a'' = BL i - c_s r' - k_s r - F_st           F_st = k_st (x_a - x) + c_st (x_a' - x')
     m_b x_b'' = -BL i + c_s r' + k_s r - c_i x_b' - k_i x_b
     m x'' = F_st - c x' + f                            L i' + R i + BL r' = e
 
-The gauge sits at either end of the massless stinger; its `gauge_mass` moves with the end that it is fixed to, and the
-force it reads is F_st on the box side, F_st + m_gauge x_a'' on the exciter side. The coil's inductance is at least
-`LEAST_TIME` times R, so that the current stays a state.
+The force gauge sits at either end of the massless stinger. Its `gauge_mass` moves with the end to
+which it is fixed: it reads F_st on the box side, F_st + m_gauge x_a'' on the exciter side. The
+coil's inductance is at least `LEAST_TIME` times R, so that the current remains a state variable.
 """
 
 from collections.abc import Callable
@@ -26,13 +28,17 @@ Spectrum = NDArray[np.complex128]
 XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
 STATES = 7
 LEAST_TIME = 1e-8
-"""Shortest time constant of the coil, s: a phase of 1e-6 rad at 20 Hz."""
+"""Shortest electrical time constant L/R of the coil, s: a phase of 1e-6 rad at 20 Hz."""
 
 
 @dataclass(frozen=True)
 class Plant:
-    """The linear system's numbers, SI: `box` (kg) is all that moves with the box for good, `damping` (N s/m) the
-    viscous losses from box to ground, `read_mass` (kg) the mass that the gauge reads beside the stinger's force."""
+    """Coefficients of the linear system, SI units.
+
+    box : all mass that moves with the box permanently, kg
+    damping : viscous losses between box and ground, N s/m
+    read_mass : mass whose inertia the gauge reads in addition to the stinger force, kg
+    """
 
     force_constant: float
     resistance: float
@@ -53,7 +59,7 @@ class Plant:
     def of(
         cls, exciter: Exciter, box: float, gauge_mass: float = 0.0, gauge: GaugeSide = "box", damping: float = 0.0
     ) -> "Plant":
-        """An exciter on a box of mass `box` (kg, without the gauge's mass); c = 2 zeta sqrt(k m)."""
+        """Return the system of an exciter and a box of mass `box` (kg, without the gauge mass)."""
         at_box = gauge == "box"
         return cls(
             force_constant=exciter.force_constant,
@@ -73,9 +79,13 @@ class Plant:
         )
 
     def matrix(self) -> Array:
-        """A of y' = A y + b e + g f, y = (x_a, x_a', x_b, x_b', x, x', i), voltage amplifier, shape (7, 7)."""
+        """Return A of y' = A y + b e + g f for a voltage amplifier, shape (7, 7).
+
+        y = (x_a, x_a', x_b, x_b', x, x', i)
+        """
         a = np.zeros((STATES, STATES))
         a[XA, VA] = a[XB, VB] = a[X, V] = 1.0
+        # Newton's third law: each spring-damper pair enters both bodies with opposite signs.
         for first, second, k, c in (
             (XA, XB, self.flexure, self.flexure_damping),
             (XA, X, self.stinger, self.stinger_damping),
@@ -83,6 +93,7 @@ class Plant:
             for this, other in ((first, second), (second, first)):
                 a[this + 1, [this, this + 1]] -= (k, c)
                 a[this + 1, [other, other + 1]] += (k, c)
+        # The isolation acts between body and ground, the box losses between box and ground.
         a[VB, [XB, VB]] -= (self.isolation, self.isolation_damping)
         a[V, V] -= self.damping
         a[VA, I], a[VB, I] = self.force_constant, -self.force_constant
@@ -93,8 +104,15 @@ class Plant:
 
 @dataclass(frozen=True)
 class Response:
-    """Complex amplitudes per unit amplitude of the amplifier's command, e^(+jwt), each of the shape of the frequencies:
-    gauge force (N), box acceleration (m/s^2), coil current (A), amplifier voltage (V), travel of the coil (m)."""
+    """Complex amplitudes per unit amplitude of the amplifier's command, e^(+jwt), one per
+    frequency.
+
+    force : at the gauge, N
+    acceleration : of the box, m/s^2
+    current : of the coil, A
+    voltage : at the amplifier, V
+    travel : of the coil relative to the body, m
+    """
 
     force: Spectrum
     acceleration: Spectrum
@@ -104,7 +122,9 @@ class Response:
 
 
 def steady(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Spectrum:
-    """Complex amplitudes of the states per unit of the amplifier's command, e^(+jwt), shape (7, frequencies)."""
+    """Return the complex amplitudes of the states per unit command, e^(+jwt), shape (7,
+    frequencies).
+    """
     jw = 2j * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     a = plant.matrix().astype(np.complex128)
     drive = np.zeros(STATES, np.complex128)
@@ -113,13 +133,16 @@ def steady(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Spec
         a[I] = 0.0
     left = jw[:, None, None] * np.eye(STATES) - a
     if amplifier == "current":
+        # A current amplifier imposes the current: the row of i becomes i = command.
         left[:, I, I] = 1.0
     y = np.linalg.solve(left, np.broadcast_to(drive[:, None], (jw.size, STATES, 1)))
     return np.asarray(y[..., 0].T, dtype=np.complex128)
 
 
 def response(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Response:
-    """Frequency response of exciter and box to the amplifier's command, V or A, at frequencies in Hz above 0."""
+    """Return the frequency response of exciter and box to the amplifier's command, V or A, at
+    frequencies above 0 (Hz).
+    """
     jw = 2j * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     y = steady(plant, amplifier, frequency)
     pull = plant.stinger * (y[XA] - y[X]) + plant.stinger_damping * (y[VA] - y[V])
@@ -135,11 +158,14 @@ def response(plant: Plant, amplifier: Amplifier, frequency: Array | float) -> Re
 
 @dataclass(frozen=True)
 class Propagator:
-    """The linear system over an interval, exactly: y+ = phi y + now u + next u+, the input u straight in between.
+    """Exact solution of the linear system over one interval: y+ = phi y + now u + next u+.
 
-    phi : voltage-driven [0] and current-driven [1], shape (2, 7, 7); `now`, `next` : shape (2, 7), the input being the
-    voltage [0], or [1] the rate of the current in `now` alone
-    thrust : state after 1 .. J intervals of a unit force on the box, shape (2, J + 1, 7)
+    The input u varies linearly within the interval.
+
+    phi : voltage-driven [0] and current-driven [1], shape (2, 7, 7)
+    now, next : shape (2, 7). Voltage-driven [0], the input is the voltage; current-driven [1], it
+        is the rate of change of the current, constant, in `now` alone
+    thrust : state after 0 .. J intervals of a constant unit force on the box, shape (2, J + 1, 7)
     """
 
     phi: Array
@@ -149,12 +175,16 @@ class Propagator:
 
 
 def propagator(plant: Plant, interval: float, longest: int) -> Propagator:
-    """Matrices for steps of 1 .. `longest` intervals (s); by the matrix exponential, so any stiffness will do."""
+    """Return the matrices for steps of 1 to `longest` intervals (s).
+
+    The matrix exponential is exact for any stiffness.
+    """
     from scipy.linalg import expm
 
     phi, now, following = np.zeros((2, STATES, STATES)), np.zeros((2, STATES)), np.zeros((2, STATES))
     thrust = np.zeros((2, longest + 1, STATES))
     scale = np.ones(STATES)
+    # Positions in units of the interval: this balances the matrix, which the exponential needs.
     scale[[XA, XB, X]] = interval  # positions in units of the interval balance the matrix
     for kind in (0, 1):
         a = plant.matrix()
@@ -167,6 +197,8 @@ def propagator(plant: Plant, interval: float, longest: int) -> Propagator:
         one = _hold(expm, a, b)
         phi[kind] = one[0] * scale[:, None] / scale[None, :]
         hold, ramp = one[1] * scale[:, None], one[2] * scale[:, None]
+        # A linear input is a constant u plus a ramp (u+ - u): collect the coefficients of u and of
+        # u+.
         now[kind] = hold[:, 0] - (ramp[:, 0] if kind == 0 else 0.0)
         following[kind] = ramp[:, 0] if kind == 0 else 0.0
         for k in range(longest):
@@ -175,14 +207,19 @@ def propagator(plant: Plant, interval: float, longest: int) -> Propagator:
 
 
 def _hold(expm: Callable[[Array], Array], a: Array, b: Array) -> tuple[Array, Array, Array]:
-    """e^a, and the responses at the end of a unit time to an input of 1 and to one that grows from 0 to 1."""
+    """Return e^a and the responses after unit time to a constant input of 1 and to a ramp from 0 to
+    1.
+    """
     n, m = b.shape
     block = np.zeros((n + 2 * m, n + 2 * m))
     block[:n, :n], block[:n, n : n + m] = a, b
     block[n : n + m, n + m :] = np.eye(m)
+    # Van Loan (1978): the exponential of the augmented block matrix holds all three in its first
+    # rows.
     power = expm(block)
     return power[:n, :n], power[:n, n : n + m], power[:n, n + m :]
 
 
 def _damping(stiffness: float, ratio: float, mass: float) -> float:
+    """Return c = 2 zeta sqrt(k m), N s/m."""
     return float(2.0 * ratio * np.sqrt(stiffness * mass))

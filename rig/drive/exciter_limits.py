@@ -1,4 +1,6 @@
-"""What a motion asks of the exciter: hardware equations solved backwards, harmonic by harmonic, servo drive."""
+"""Exciter requirements of a prescribed motion: the hardware equations solved backwards, harmonic by
+harmonic.
+"""
 
 from dataclasses import asdict, dataclass
 
@@ -15,16 +17,19 @@ PARTS = (
     "moving_mass", "flexure_stiffness", "flexure_damping_ratio", "body_mass", "isolation_stiffness",
     "isolation_damping_ratio", "stinger_stiffness", "stinger_damping",
 )  # fmt: skip
-"""Masses, stiffnesses and damping of an exciter, known within its `parts_U`."""
+"""Masses, stiffnesses and damping of an exciter, each known within its relative uncertainty
+`parts_U`.
+"""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """Shares of the exciter's limits that a motion uses (1 = at the limit).
+    """Utilisation of the exciter's limits by a motion, each a fraction of the limit (1 = at the
+    limit).
 
-    The first four are rated on the fundamental, as makers rate a sine force; `peak` is the largest gauge force within
-    the recorded band against the force rating (a real box would recoil there instead), `buckling` the same against
-    the stinger's buckling load.
+    The first four are rated on the fundamental, because manufacturers rate a sine force. `peak` is
+    the largest gauge force within the recorded band over the force rating (a real box would recoil
+    instead); `buckling` is the same force over the stinger's buckling load.
     """
 
     force: float
@@ -35,14 +40,19 @@ class Demand:
     buckling: float
 
     def scalars(self) -> dict[str, float]:
-        """By the names of the session file."""
+        """Return the values under the names of the session file."""
         return {f"use_{name}": value for name, value in asdict(self).items()}
 
 
 @dataclass(frozen=True)
 class Need:
-    """What a motion needs of the exciter, spectra: force on the coil BL i in N, armature against body in m, coil
-    current in A and drive voltage in V."""
+    """Spectra of the quantities that the exciter has to supply.
+
+    coil_force : force on the coil BL i, N
+    stroke : displacement of the armature relative to the body, m
+    current : coil current, A
+    voltage : drive voltage, V
+    """
 
     coil_force: Spectrum
     stroke: Spectrum
@@ -51,10 +61,15 @@ class Need:
 
 
 def need(exciter: Exciter, pull: Spectrum, box: Spectrum, jw: Spectrum) -> Need:
-    """The exciter solved backwards from the stinger's pull F_gauge (N) and the box's displacement (m) at each jw > 0.
+    """Return the exciter quantities that give the stinger force F_gauge (N) and box displacement
+    (m).
 
-    The armature feels the stinger's pull, its own inertia and its flexure; the body recoils on its isolation:
-    m_a x_a'' + c_s (x_a' - x_b') + k_s (x_a - x_b) + F_gauge = BL i, m_b x_b'' + isolation - (..)_s = -BL i,
+    pull : F_gauge at each jw; box : displacement at each jw; jw : j times the angular frequency, w
+        > 0.
+
+    The stinger force, inertia and flexure act on the armature; the body recoils on its isolation:
+    m_a x_a'' + c_s (x_a' - x_b') + k_s (x_a - x_b) + F_gauge = BL i, m_b x_b'' + isolation - (..)_s
+    = -BL i,
     e = R i + L i' + BL (x_a' - x_b'), x_a = x + F_gauge / (k_st + j w c_st).
     """
     armature = box + pull / (exciter.stinger_stiffness + jw * exciter.stinger_damping)
@@ -70,14 +85,18 @@ def need(exciter: Exciter, pull: Spectrum, box: Spectrum, jw: Spectrum) -> Need:
 
 
 def demand(exciter: Exciter, force: Array, rate: float, motion: Waveform, band: float) -> Demand:
-    """Exciter use for a steady stretch of gauge force (N, at `rate`), harmonics up to `band` (Hz)."""
+    """Return the exciter utilisation of a steady stretch of gauge force (N, sampled at `rate`),
+    using harmonics up to `band` (Hz).
+    """
     cycles = max(int(force.size * motion.frequency / rate + 1e-9), 1)
     samples = min(round(cycles * rate / motion.frequency), force.size)
     spectrum = 2.0 * np.fft.rfft(force[:samples]) / samples
     order = np.arange(spectrum.size) / cycles
+    # The mean of the force (order 0) is carried by the mount, not by the coil.
     pull = np.where((order > 0.0) & (order * motion.frequency <= band), spectrum, 0.0)
     box = np.zeros_like(pull)
     for h, (sine, cosine) in enumerate(zip(motion.sine, motion.cosine, strict=True), start=1):
+        # Sign convention: x = X sin(h wt) has the phasor -j X under Re(phasor e^(+jwt)).
         box[h * cycles] = motion.length_unit / h**2 * (cosine - 1j * sine)
     asked = need(exciter, pull, box, 1j * motion.omega * order)
     used = {
@@ -92,11 +111,14 @@ def demand(exciter: Exciter, force: Array, rate: float, motion: Waveform, band: 
 
 
 def solvable_band(exciter: Exciter) -> float:
-    """Half the resonance of the armature on its stinger, Hz: above it the coil's current says little about the force at
-    the gauge, and an ideal waveform would ask for currents that grow as w^2."""
+    """Return half the resonance frequency of the armature on its stinger, Hz.
+
+    Above it the coil current carries little information on the gauge force, and an ideal waveform
+    would need currents that grow as w^2.
+    """
     return float(0.5 / (2.0 * np.pi) * np.sqrt(exciter.stinger_stiffness / exciter.moving_mass))
 
 
 def _spring(stiffness: float, ratio: float, mass: float, jw: Spectrum) -> Spectrum:
-    """Dynamic stiffness k + jw c, N/m, with c = 2 zeta sqrt(k m)."""
+    """Return the dynamic stiffness k + jw c, N/m, with c = 2 zeta sqrt(k m)."""
     return stiffness + jw * float(2.0 * ratio * np.sqrt(stiffness * mass))

@@ -1,11 +1,12 @@
-"""Level control of a dwell, as a law over measured cycles: the next command from the last cycles' phasors.
+"""Level control of a dwell: the next command from the phasors of the measured cycles.
 
-The loop multiplies the command's fundamental by (target/level)^(gain/slope). A linear exciter has slope 1; a bed that
-lets go makes the box lighter and the slope steeper, so it is estimated from the last two levels. Far from the target
-every cycle corrects. Near it the level is averaged: impacts make it scatter from cycle to cycle under a constant
-command (6 % at 5 m/s^2), and what is recorded is its mean. The apparent mass can fall so fast that no slope describes
-it: such a jump is counted. Harmonics, where they are controlled, are driven towards zero through the response of the
-box alone. A limit of the exciter stops the command where it is reached.
+The loop multiplies the fundamental of the command by (target/level)^(gain/slope). A linear exciter
+has slope 1. A bed that starts to slide makes the box lighter and the slope steeper, so the slope is
+estimated from the last two levels. Far from the target every cycle corrects. Near it the level is
+averaged first: impacts scatter it from cycle to cycle under a constant command (6 % at 5 m/s^2),
+and the mean is what is recorded. The apparent mass can fall too fast for any slope; such a jump is
+counted. Harmonics, if controlled, are driven towards zero through the response of the box alone. A
+limit of the exciter, once reached, stops the command.
 """
 
 import cmath
@@ -20,57 +21,69 @@ Status = Literal["seeking", "reached", "limited", "timed out"]
 Phasors = tuple[complex, ...]
 
 GAIN = 0.5
-"""Share of the level error, in logarithms, that a cycle corrects far from the target."""
+"""Fraction of the level error (log units) corrected per cycle far from the target."""
 
 LEAD = 0.6
-"""Share of the level's latest rise, in logarithms, that is expected once more: exciter and bed still follow the command
-before."""
+"""Lag compensation: fraction of the last log-level step expected to recur, because exciter and bed
+respond about one cycle late.
+"""
 
 FINE_GAIN = 0.9
-"""The same for a mean near the target."""
+"""Fraction of the level error (log units) corrected per mean near the target."""
 
 NEAR = math.log(1.04)
-"""Level error below which the level is averaged before it is corrected, beside twice its scatter."""
+"""Level error (log units) below which, plus twice the scatter, the level is averaged before a
+correction.
+"""
 
 LEAST = 4
-"""Cycles of a window from which a mean and its scatter can be told: the first two still move."""
+"""Smallest window, in cycles, that gives a mean and its scatter: the first two cycles are
+transient.
+"""
 
 STEEPEST = 4.0
-"""Largest slope dln(level)/dln(command) that the loop believes."""
+"""Upper bound of the estimated slope dln(level)/dln(command)."""
 
 STEEP_NEAR = 1.5
-"""The same near the target, where slow transients look like a slope."""
+"""Upper bound of the slope near the target, where slow transients look like a slope."""
 
 LONGEST_STEP = math.log(1.5)
-"""Largest change of the command in one cycle, in logarithms."""
+"""Largest change of the command per cycle (log units)."""
 
 JUMP = math.log(1.25)
 JUMP_SLOPE = 2.0
-"""A change of level in one cycle counts as a jump where it is `JUMP` beyond this slope times the command's change."""
+"""A level change in one cycle counts as a jump if it exceeds this slope times the command change by
+`JUMP` (log units).
+"""
 
 AIM = 0.7
-"""Share of the tolerance within which a mean is left as it is: a slow drift has room."""
+"""Fraction of the tolerance within which a mean is accepted; the rest is reserved for
+slow drift.
+"""
 
 PATIENCE = 18
-"""Cycles after which the whole tolerance will do, or the mean's own standard error: no correction more that starts a
-mean anew."""
+"""Cycles after which the whole tolerance, or the standard error of the mean, is accepted: every
+further correction would start a new mean.
+"""
 
 AT_LIMIT = 0.99
-"""Share of a limit from which on the command is not raised."""
+"""Utilisation of a limit above which the command is no longer raised."""
 
 OVER_LIMIT = 1.01
-"""Share of a limit from which on the command is taken back."""
+"""Utilisation of a limit above which the command is reduced."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """What a dwell is to reach: amplitude of the fundamental acceleration in m/s^2, within a relative tolerance.
+    """Target of a dwell: amplitude of the fundamental acceleration, m/s^2, with a relative
+    tolerance.
 
-    hold : cycles at least whose mean counts as the level; longest : cycles after which a mean that scatters more than
-        the tolerance is taken as it is, good to its standard error
+    hold : least number of cycles whose mean counts as the level
+    longest : number of cycles after which a mean with more scatter than the tolerance is accepted,
+        within its standard error
     timeout : cycles after which the loop gives up
-    phase : angle of the acceleration against the command's clock, rad; None leaves it free
-    flat : rms of the controlled harmonics over the fundamental that is flat enough
+    phase : angle of the acceleration relative to the command's clock, rad; None leaves it free
+    flat : largest accepted ratio of the rms of the controlled harmonics to the fundamental
     """
 
     level: float
@@ -84,16 +97,17 @@ class Target:
 
 @dataclass(frozen=True)
 class Loop:
-    """State of the loop: the command's phasors (harmonics 1, 2, ...) and what has been seen.
+    """State of the control loop: the command's phasors (harmonics 1, 2, ...) and the measured
+    history.
 
-    cycles, level : measured so far, and the latest mean of the level, m/s^2
-    slope : dln(level)/dln(command) as last estimated
-    limit : the exciter's limit that was met on the way to a level that is not reached, "" for none
-    scatter : of the level from cycle to cycle under a constant command, relative
-    jumps : cycles in which the level changed more than any slope explains
-    window : measured phasors of the cycles since the command changed; where the level scatters, those before it as
-        well, scaled to the command
-    fresh : cycles since the command changed
+    cycles, level : cycles measured so far, and the latest mean of the level, m/s^2
+    slope : latest estimate of dln(level)/dln(command)
+    limit : exciter limit met on the way to a level that is not reached, "" for none
+    scatter : relative scatter of the level from cycle to cycle under a constant command
+    jumps : number of cycles in which the level changed by more than any slope explains
+    window : measured phasors of the cycles since the last change of command; if the level scatters,
+        also those before it, scaled to the new command
+    fresh : cycles since the last change of command
     before : level and command before that change
     """
 
@@ -111,7 +125,9 @@ class Loop:
 
 
 def started(guess: complex, harmonics: int = 1) -> Loop:
-    """A loop at rest that will begin with a fundamental of `guess` (V or A) and control so many harmonics."""
+    """Return a loop at rest with a first fundamental of `guess` (V or A) that controls `harmonics`
+    harmonics.
+    """
     return Loop((guess, *(0j,) * (harmonics - 1)))
 
 
@@ -119,11 +135,12 @@ def stepped(
     loop: Loop, target: Target, measured: Sequence[complex], shares: Mapping[str, float],
     response: Sequence[complex] = (),
 ) -> Loop:  # fmt: skip
-    """The loop after one more cycle, with the command for the next.
+    """Return the loop after one more cycle, with the command for the next.
 
-    measured : phasors of the box's acceleration over the last cycle (m/s^2), harmonics 1, 2, ...
-    shares : of the exciter's limits that the cycle used, by name
-    response : acceleration per command at each harmonic, of the box alone; for controlled harmonics only
+    measured : phasors of the box acceleration over the last cycle (m/s^2), harmonics 1, 2, ...
+    shares : used fraction of each exciter limit in that cycle, by name
+    response : acceleration of the box alone per unit command at each harmonic; for controlled
+        harmonics only
     """
     jumped, swing = _jumped(loop, measured[0]), _swing(loop, abs(measured[0]), target.level)
     window = (*loop.window, tuple(measured))
@@ -134,7 +151,8 @@ def stepped(
     error = math.log(target.level / loop.level) if loop.level > 0.0 else LONGEST_STEP
     doubt = loop.scatter / math.sqrt(max(len(window) - 2, 1))
     sure = doubt <= 0.5 * target.tolerance
-    # a mean of `longest` cycles that scatter is not told from the target within its own standard error
+    # The mean of `longest` scattering cycles cannot be distinguished from the target within its own
+    # standard error.
     late = loop.cycles > PATIENCE
     taken = late or len(window) > target.longest
     inside = abs(error) <= max(math.log1p((1.0 if late else AIM) * target.tolerance), doubt if taken else 0.0)
@@ -142,6 +160,7 @@ def stepped(
     full = loop.fresh > (target.hold if inside and not late else LEAST - 1) and (sure or taken)
     if full and inside and _distortion(means, loop.command) <= target.flat:
         return replace(loop, status="reached", limit="")
+    # A limit matters only if the level is still too low: a falling command leaves it by itself.
     stuck = _at_limit(shares) if error > 0.0 and not inside else ""
     if stuck:
         loop = replace(loop, limit=stuck)
@@ -159,20 +178,24 @@ def stepped(
 def _changed(
     loop: Loop, target: Target, means: Phasors, error: float, used: float, far: bool, response: Sequence[complex]
 ) -> Loop:
-    """The loop with a new command and an empty window."""
+    """Return the loop with a new command and a new window."""
     slope = _slope(loop, far)
     rising = _rising(loop) if far else 0.0
     step = max(-LONGEST_STEP, min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * (error - LEAD * rising)))
     if used:  # down to the limit: what is then missing of the level is the limit's
+        # Reduce the command to the limit; the remaining level error is due to the limit.
         step = max(-LONGEST_STEP, min(0.0, -math.log(used)))
     turn = 0.0
     if target.phase is not None:
+        # Angle from the measured acceleration to the wanted phase.
         turn = GAIN * cmath.phase(cmath.exp(1j * target.phase) * means[0].conjugate())
     first = loop.command[0] * cmath.rect(math.exp(step), turn)
     others = (
         old - GAIN * seen / through
         for old, seen, through in zip(loop.command[1:], means[1:], response[1:], strict=False)
     )
+    # A scattering level near the target is nearly linear in the command: rescaled cycles still
+    # count.
     kept: tuple[Phasors, ...] = ()
     if not far and loop.scatter > target.tolerance:
         grown = math.exp(slope * step)
@@ -182,15 +205,17 @@ def _changed(
 
 
 def _rising(loop: Loop) -> float:
-    """Change of the level in the latest cycle, in logarithms."""
+    """Return the change of the level in the latest cycle (log units)."""
     latest = abs(loop.window[-1][0])
     was = abs(loop.window[-2][0]) if len(loop.window) > 1 else loop.before[0]
     return math.log(latest / was) if min(latest, was) > 0.0 else 0.0
 
 
 def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
-    """Mean phasors of a window and the relative scatter of its level; the first two cycles, in which command and
-    exciter still move, do not count."""
+    """Return the mean phasors of a window and the relative scatter of its level.
+
+    The first two cycles, in which command and exciter are still in transition, are left out.
+    """
     used = window[2:] or window[-1:]
     n = len(used)
     means = tuple(sum(column) / n for column in zip(*used, strict=True))
@@ -201,7 +226,9 @@ def _mean(window: tuple[Phasors, ...]) -> tuple[Phasors, float]:
 
 
 def _swing(loop: Loop, level: float, aim: float) -> float:
-    """Scatter that a level shows which has crossed its aim by more than the command can have made it: half the way."""
+    """Scatter estimate when the level overshoots the target by more than the command change
+    explains: half the overshoot (log units).
+    """
     was, drove = loop.before
     if loop.fresh or min(was, drove, level) <= 0.0 or (was - aim) * (level - aim) >= 0.0:
         return 0.0
@@ -210,7 +237,9 @@ def _swing(loop: Loop, level: float, aim: float) -> float:
 
 
 def _jumped(loop: Loop, first: complex) -> bool:
-    """Whether the level of this cycle left the one before faster than any slope explains."""
+    """Whether the level of this cycle differs from the previous one by more than any slope
+    explains.
+    """
     was = abs(loop.window[-1][0]) if loop.fresh else loop.before[0]
     if was <= 0.0 or first == 0.0:
         return False
@@ -220,12 +249,15 @@ def _jumped(loop: Loop, first: complex) -> bool:
 
 
 def _slope(loop: Loop, moving: bool) -> float:
-    """dln(level)/dln(command) from this command and the one before; half of the old estimate stays where the level is
-    still `moving`."""
+    """Return dln(level)/dln(command) from this command and the previous one.
+
+    While the level is `moving`, the result is averaged with the previous estimate.
+    """
     level, drive = loop.before
     if min(level, drive, loop.level) <= 0.0:
         return loop.slope
     raised = math.log(abs(loop.command[0]) / drive)
+    # A quotient of two small changes is noise.
     if abs(raised) < 0.01:
         return loop.slope
     found = max(1.0, math.log(loop.level / level) / raised)
@@ -233,11 +265,11 @@ def _slope(loop: Loop, moving: bool) -> float:
 
 
 def _distortion(means: Phasors, command: Phasors) -> float:
-    """rms of the controlled harmonics over the fundamental."""
+    """Return the ratio of the rms of the controlled harmonics to the fundamental."""
     return math.sqrt(math.fsum(abs(x) ** 2 for x in means[1 : len(command)])) / abs(means[0])
 
 
 def _at_limit(shares: Mapping[str, float]) -> str:
-    """The limit that is used most, where it is reached; "" otherwise."""
+    """Return the name of the limit with the highest utilisation if it is reached, "" otherwise."""
     most = max(shares, key=lambda name: shares[name], default="")
     return most if most and shares[most] >= AT_LIMIT else ""

@@ -1,10 +1,13 @@
-"""Losses beside the grains' own: noise, air, gas, mount. Forces act ON the box, energies are J per cycle.
+"""Losses other than those of the grains: noise, air, gas, mount. Forces act ON the box; energies
+are J per cycle.
 
-`noise` is a viscous loss, -c v, `air` a quadratic one, -k v |v|. The names are the paper's words for its offset and no
-explanation: the shipped coefficients are 317 000 and 12 000 times what sound and drag of the box take
-(`over_first_principles`). `gas` is the viscous equivalent of drag inside the bed (rig/stand/gas.py); `mount` is what
-carries the box: guides, Coulomb friction -f sign(v), or cords, structural damping, in every harmonic -eta k v_h/(h w),
-whose energy pi eta k X^2 does not know the frequency. The stiffness of the cords is left out: it takes no energy.
+`noise` is a viscous loss, -c v, `air` a quadratic one, -k v |v|. The names are the paper's terms
+for its offset and not an explanation: the shipped coefficients are 317 000 and 12 000 times the
+values for sound radiation and drag of the box (`over_first_principles`). `gas` is the viscous
+equivalent of the drag inside the bed (rig/stand/gas.py). `mount` is the support of the box. Guides
+have Coulomb friction -f sign(v); cords have structural damping, in every harmonic -eta k v_h/(h w),
+whose energy pi eta k X^2 is independent of frequency. The stiffness of the cords is omitted because
+it dissipates nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +24,7 @@ QUADRATURE_POINTS = 4096
 AIR_DENSITY = 1.204
 AIR_VISCOSITY = 1.81e-5
 SOUND_SPEED = 343.0
-"""Air at 20 degrees and 101 kPa: kg/m^3, Pa s, m/s."""
+"""Properties of air at 20 degrees Celsius and 101 kPa: kg/m^3, Pa s, m/s."""
 
 LOST = ("W_noise", "W_air", "W_gas", "W_mount")
 """Ledger columns of the loss channels, in the order of `Losses.energies`."""
@@ -29,7 +32,7 @@ LOST = ("W_noise", "W_air", "W_gas", "W_mount")
 
 @dataclass(frozen=True)
 class Losses:
-    """Coefficients of the loss channels that a scene switches on; 0 where it does not.
+    """Coefficients of the loss channels that a scene switches on; 0 for those that it does not.
 
     noise : N s/m, force -c v; a viscous loss (the paper's "noise")
     air : N s^2/m^2, force -k v |v|; a quadratic loss (the paper's "air")
@@ -45,7 +48,7 @@ class Losses:
     cords: float = 0.0
 
     def energies(self, motion: Waveform) -> Array:
-        """Energy that each channel of `LOST` takes per cycle, J."""
+        """Return the energy dissipated per cycle in each channel of `LOST`, J."""
         return np.array(
             [
                 viscous_energy(self.noise, motion),
@@ -57,7 +60,10 @@ class Losses:
 
 
 def quadratic_energy(coefficient: float, motion: Waveform) -> float:
-    """Energy that -k v |v| takes per cycle, J: quadrature of k |v|^3 over the motion; 8/3 k w^2 X^3 for a sine."""
+    """Return the energy dissipated per cycle by -k v |v|, J: 8/3 k w^2 X^3 for a sine.
+
+    Midpoint quadrature of k |v|^3 over the motion.
+    """
     if coefficient == 0.0:
         return 0.0
     phase = 2.0 * np.pi * (np.arange(QUADRATURE_POINTS) + 0.5) / QUADRATURE_POINTS
@@ -65,20 +71,24 @@ def quadratic_energy(coefficient: float, motion: Waveform) -> float:
 
 
 def friction_energy(force: float, motion: Waveform) -> float:
-    """Energy that -f sign(v) takes per cycle, J: f times the way that the box goes; 4 f X for a sine."""
+    """Return the energy dissipated per cycle by -f sign(v), J: f times the path length; 4 f X for a
+    sine.
+    """
     return 0.0 if force == 0.0 else force * way(motion)
 
 
 def structural_energy(coefficient: float, motion: Waveform) -> float:
-    """Energy that structural damping takes per cycle, J, exact: pi eta k X_h^2 in each cycle of harmonic h."""
+    """Return the energy dissipated per cycle by structural damping, J, exact: pi eta k X_h^2 in
+    each cycle of harmonic h.
+    """
     return float(np.pi * coefficient * motion.length_unit**2 * harmonic_sum(motion, 3))
 
 
 def way(motion: Waveform) -> float:
-    """Way that the box goes in one cycle, m: positions at the turning points, added up; 4 X for a sine.
+    """Return the path length of the box in one cycle, m: 4 X for a sine.
 
-    Turning points are found between samples, by a secant: the position there is flat, an error of 1e-7 rad is one of
-    1e-14 of X.
+    It is the sum of the distances between turning points. Those are found between samples by a
+    secant: the position is stationary there, so an error of 1e-7 rad is one of 1e-14 of X.
     """
     phase = 2.0 * np.pi * (np.arange(QUADRATURE_POINTS + 1) + 0.5) / QUADRATURE_POINTS
     velocity = motion.at(phase)[1]
@@ -89,7 +99,9 @@ def way(motion: Waveform) -> float:
 
 
 def by_order(motion: Waveform) -> Waveform:
-    """The motion, each harmonic divided by its order: structural damping pulls with -(eta k/w) times its velocity."""
+    """Return the motion with each harmonic divided by its order: the structural damping force is
+    -(eta k/w) times its velocity.
+    """
     orders = range(1, len(motion.sine) + 1)
     return replace(
         motion,
@@ -99,11 +111,12 @@ def by_order(motion: Waveform) -> Waveform:
 
 
 def mean_force(losses: Losses, position: Array, velocity: Array, interval: float) -> Array:
-    """Mean force of all channels but the cords over each interval between edges, N, shape (edges - 1,).
+    """Return the mean force of all channels except the cords in each interval, N, shape (edges -
+    1,).
 
-    The viscous part is exact (-c dx/dt); the quadratic part is the trapezoid of v |v|, off by (w h)^2/12 of itself:
-    2e-7 at 4096 intervals per cycle; the friction part is exact up to the secant that finds a turning point inside an
-    interval.
+    The viscous part is exact (-c dx/dt). The quadratic part is the trapezoid of v |v|, with a
+    relative error of (w h)^2/12: 2e-7 at 4096 intervals per cycle. The friction part is exact up to
+    the secant that finds a turning point inside an interval.
     """
     force: Array = (-(losses.noise + losses.gas) / interval) * np.diff(position)
     if losses.air != 0.0:
@@ -115,7 +128,9 @@ def mean_force(losses: Losses, position: Array, velocity: Array, interval: float
 
 
 def mean_sign(velocity: Array) -> Array:
-    """Mean of sign(v) over each interval between edges, for a velocity that is straight in between; 0 at rest."""
+    """Return the mean of sign(v) in each interval between edges for a velocity that is linear in
+    between; 0 at rest.
+    """
     speed = np.abs(velocity)
     both = speed[1:] + speed[:-1]
     mean = np.zeros_like(both)
@@ -124,37 +139,44 @@ def mean_sign(velocity: Array) -> Array:
 
 
 def mean_cord_force(coefficient: float, omega: float, position: Array, interval: float) -> Array:
-    """Mean force of the cords over each interval between edges, N, exact; `position` (m) is that of `by_order`."""
+    """Return the mean force of the cords in each interval between edges, N, exact; `position` (m)
+    is that of `by_order`.
+    """
     force: Array = (-coefficient / (omega * interval)) * np.diff(position)
     return force
 
 
 def guide_force(friction: float, mass: float, gravity: float) -> float:
-    """Friction of a guide under the moving weight, N: mu M g."""
+    """Return the friction of a guide under the moving weight, N: mu M g."""
     return friction * mass * gravity
 
 
 def cord_coefficient(loss_factor: float, frequency: float, mass: float) -> float:
-    """eta k of cords on which a mass (kg) swings at a frequency (Hz), N/m."""
+    """Return eta k of cords on which a mass (kg) swings at a frequency (Hz), N/m."""
     return float(loss_factor * mass * (2.0 * np.pi * frequency) ** 2)
 
 
 def over_first_principles(noise: float, air: float, cavity: Cavity, frequency: float) -> dict[str, float]:
-    """Coefficients of `noise` and `air` over what sound and drag of the closed box are by first principles, by loss."""
+    """Return, by channel, the ratio of the coefficients `noise` and `air` to first-principles
+    values for sound and drag of the closed box.
+    """
     height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
     sound = sound_of_box(height, width, length, 2.0 * np.pi * frequency)
     return {"noise": noise / sound, "air": air / drag_of_box(height, width)}
 
 
 def drag_of_box(height: float, width: float) -> float:
-    """First-principles size of `air`: k = rho C_d A / 2 of a blunt box, N s^2/m^2; C_d = 10 is a ceiling (assumed)."""
+    """Return the first-principles value of `air`, N s^2/m^2: k = rho C_d A / 2 of a blunt box; C_d
+    = 10 is an upper bound (assumed).
+    """
     return 0.5 * AIR_DENSITY * 10.0 * height * width
 
 
 def sound_of_box(height: float, width: float, length: float, omega: float) -> float:
-    """First-principles size of `noise`: viscous equivalent of dipole sound, N s/m: (rho V + m_a)^2 w^4/(12 pi rho c^3).
+    """Return the first-principles value of `noise`, N s/m: the viscous equivalent of dipole sound.
 
-    m_a = 1.19 rho pi/4 of the larger face's side squared per length is the added mass of the air (Koss 1974 form).
+    (rho V + m_a)^2 w^4/(12 pi rho c^3), where m_a is the added mass of the air, per unit length
+    1.19 rho pi/4 times the square of the larger face's side (Koss 1974 form).
     """
     side = max(height, width)
     moved = AIR_DENSITY * (height * width * length + 1.19 * np.pi / 4.0 * side**2 * min(height, width))

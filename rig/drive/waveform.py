@@ -1,6 +1,8 @@
-"""The programmed motion of the box: harmonics of one fundamental, in closed form, and the sampling grid laid over it.
+"""The prescribed motion of the box, harmonics of one fundamental in closed form, and its sampling
+grid.
 
-The grid: edges of the oversampled intervals over which force and acceleration are averaged.
+The grid consists of the edges of the oversampled intervals over which force and acceleration are
+averaged.
 """
 
 import math
@@ -18,10 +20,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Waveform:
-    """A periodic motion: x = X sum_h (sine_h sin h wt + cosine_h cos h wt)/h^2, X = A/w^2, v = x', a = v'.
+    """A periodic motion: x = X sum_h (sine_h sin h wt + cosine_h cos h wt)/h^2, X = A/w^2, v = x',
+    a = v'.
 
-    `acceleration` (m/s^2) is the unit A of the harmonic coefficients `sine` and `cosine`, harmonics 1..H;
-    a pure sine of amplitude A is sine = (1,), cosine = (0,): a = -A sin wt, v = (A/w) cos wt.
+    `acceleration` (m/s^2) is the unit A of the harmonic coefficients `sine` and `cosine`, harmonics
+    1..H. A pure sine of amplitude A is sine = (1,), cosine = (0,): a = -A sin wt, v = (A/w) cos wt.
     """
 
     frequency: float
@@ -41,12 +44,12 @@ class Waveform:
 
     @property
     def length_unit(self) -> float:
-        """A/w^2, m: the amplitude of a pure sine."""
+        """A/w^2, m: the displacement amplitude of a pure sine."""
         return self.acceleration / self.omega**2
 
     @property
     def coefficients(self) -> tuple[Array, Array]:
-        """Harmonic coefficients as the kernels take them."""
+        """Harmonic coefficients as arrays, for the kernels."""
         return np.array(self.sine, dtype=np.float64), np.array(self.cosine, dtype=np.float64)
 
     @cached_property
@@ -55,7 +58,7 @@ class Waveform:
         return float(self.at(np.zeros(1))[1][0])
 
     def at(self, phase: Array) -> tuple[Array, Array]:
-        """Box position (m) and velocity (m/s) at phases of the fundamental (rad)."""
+        """Return the box position (m) and velocity (m/s) at phases of the fundamental (rad)."""
         position, velocity = np.zeros_like(phase), np.zeros_like(phase)
         for h, (p, q) in enumerate(zip(self.sine, self.cosine, strict=True), start=1):
             if p == 0.0 and q == 0.0:
@@ -67,11 +70,14 @@ class Waveform:
 
 
 def viscous_energy(coefficient: float, motion: Waveform) -> float:
-    """Energy that -c v takes per cycle, J: closed-loop integral of c v^2 dt, exact; pi c w X^2 for a sine."""
+    """Return the energy dissipated per cycle by -c v, J: integral of c v^2 dt, exact; pi c w X^2
+    for a sine.
+    """
     return float(0.5 * coefficient * motion.velocity_unit**2 * harmonic_sum(motion, 2) / motion.frequency)
 
 
 def harmonic_sum(motion: Waveform, power: int) -> float:
+    """Return sum_h (sine_h^2 + cosine_h^2)/h^power, dimensionless."""
     harmonics = np.arange(1, len(motion.sine) + 1)
     return float(np.sum((np.square(motion.sine) + np.square(motion.cosine)) / harmonics**power))
 
@@ -79,11 +85,12 @@ def harmonic_sum(motion: Waveform, power: int) -> float:
 def waveform(
     drive: Drive, level_error: float, third_harmonic: float, rng: np.random.Generator | None, clock: float = 1.0
 ) -> Waveform:
-    """The motion that a servo reaches for a drive setting; the generator's frequency is off by the factor `clock`.
+    """Return the motion that ideal waveform control (`servo`) reaches for a drive setting.
 
-    With a generator the level is off by a normal error of relative standard deviation `level_error` and carries
-    a third harmonic of relative amplitude `third_harmonic` at a random phase (both assumed, rig file); without
-    one the waveform is exact.
+    level_error : relative standard deviation of the level, normal (assumed, rig file)
+    third_harmonic : relative amplitude of a third harmonic at a random phase (assumed, rig file)
+    rng : None for an exact waveform
+    clock : factor of the generator's frequency error
     """
     if rng is None:
         return Waveform(drive.frequency * clock, drive.acceleration)
@@ -100,9 +107,10 @@ def waveform(
 
 @dataclass(frozen=True)
 class Edges:
-    """Box position (m) and velocity (m/s) at the sampling edges of some whole cycles, and at the edge before them.
+    """Box position (m) and velocity (m/s) at the sampling edges of whole cycles, preceded by one
+    more edge.
 
-    Both of shape (1 + edges,): entry k + 1 ends the interval that entry k begins.
+    Both have shape (1 + edges,): the interval between entries k and k + 1 is interval k.
     """
 
     position: Array
@@ -111,10 +119,11 @@ class Edges:
 
 @dataclass
 class Sampling:
-    """A waveform seen at sampling edges j = 0, 1, ..: edge j lies j / edges_per_cycle cycles after the start.
+    """A waveform at sampling edges j = 0, 1, ..: edge j lies j / edges_per_cycle cycles after the
+    start.
 
-    Cycle n owns the edges in [n, n + 1) cycles. Where a cycle holds a whole number of edges, every stretch of the
-    same length is the same: one object, computed once.
+    Cycle n contains the edges in [n, n + 1) cycles. If the number of edges per cycle is whole, all
+    stretches of equal length are identical: one object, computed once.
     """
 
     motion: Waveform
@@ -122,17 +131,18 @@ class Sampling:
     _kept: dict[int, Edges] = field(default_factory=dict, init=False, repr=False)
 
     def first_edge(self, cycle: int) -> int:
-        """Number of the first edge that belongs to a cycle."""
+        """Return the number of the first edge of a cycle."""
         return int(np.ceil(cycle * self.edges_per_cycle))
 
     def edges(self, first_cycle: int, cycles: int) -> Edges:
-        """The motion at the edges of `cycles` cycles from `first_cycle` on."""
+        """Return the motion at the edges of `cycles` cycles from `first_cycle` on."""
         if float(self.edges_per_cycle).is_integer():
             if cycles not in self._kept:
                 self._kept = {cycles: self._repeated(cycles)}
             return self._kept[cycles]
         edge = np.arange(self.first_edge(first_cycle) - 1, self.first_edge(first_cycle + cycles))
         turns = edge / self.edges_per_cycle
+        # Whole turns are removed first: the sine of a large phase would lose digits.
         return Edges(*self.motion.at(2.0 * np.pi * (turns - np.floor(turns))))
 
     def _repeated(self, cycles: int) -> Edges:

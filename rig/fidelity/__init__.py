@@ -1,1 +1,3 @@
-"""`fidelity: auto`: the rows, settling and record that a tolerance of W needs, measured on the scene itself."""
+"""`fidelity: auto`: the rows, settling and record that a tolerance of W requires, measured on the
+scene itself.
+"""

@@ -1,4 +1,4 @@
-"""What `fidelity: auto` chose for a condition."""
+"""The choice of `fidelity: auto` for a condition."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -8,16 +8,19 @@ from rig.protocol.spec import Condition
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What was chosen for a condition, and what it costs in accuracy, relative to W of the fully resolved scene.
+class FidelityChoice:
+    """The choice for a condition and its errors, relative to W of the fully resolved scene.
 
-    rows : per layer, None for a bed without; written, resolved : (rows, settle, record) of the protocol and of the
-        fully resolved scene
-    error_rows, error_window, error_noise : parts of the error; the window's is that of settling and record together
-    scatter, scatter_resolved : of one pouring's W from where the rows lie, with these rows and with the resolved ones
+    rows : per layer, None for a bed without rows
+    written, resolved : (rows, settle, record) of the protocol and of the fully resolved scene
+    error_rows, error_window, error_noise : parts of the error; that of the window covers settling
+        and record together
+    scatter, scatter_resolved : standard deviation of one refill's W due to the positions of the
+        rows, with these rows and with the resolved ones
     averaged : cycles over which W_T averages rows without a period
-    skipped : what is not simulated, and why
-    row_cycles : cycles of rows that a run holds, by "auto", "written", "resolved"; "planning" : to find this out, once
+    skipped : parts that are not simulated, and why
+    row_cycles : row cycles per run as "auto", "written", "resolved"; "planning" : to make this
+        choice, once
     """
 
     tolerance: float
@@ -37,7 +40,7 @@ class Choice:
 
     @property
     def error(self) -> float:
-        """Predicted error."""
+        """Predicted relative error."""
         return self.error_rows + self.error_window + self.error_noise
 
     @property
@@ -47,17 +50,19 @@ class Choice:
 
     @property
     def why(self) -> str:
-        """What keeps the tolerance from being met, "" where it is."""
+        """The reason why the tolerance is not met, "" if it is."""
         parts = {"rows": self.error_rows, "settling and record": self.error_window, "noise": self.error_noise}
         largest = max(parts, key=lambda name: parts[name])
         return "" if self.met else f"{largest} leave {100 * parts[largest]:.2g} %"
 
     def document(self) -> dict[str, Any]:
-        """As plain data for the session."""
+        """Return the choice as plain data for the session."""
         return {**asdict(self), "error": self.error, "met": self.met, "why": self.why}
 
     def applied(self, condition: Condition) -> Condition:
-        """The condition with what was chosen. Its seeds stay: they hang on the condition as written."""
+        """Return the condition with the choice applied. Its seeds remain those of the condition as
+        written.
+        """
         scene = condition.scene if self.rows is None else with_rows(condition.scene, self.rows)
         return replace(
             condition, scene=scene, acquire=replace(condition.acquire, settle=self.settle, record=self.record)

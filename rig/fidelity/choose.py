@@ -1,4 +1,6 @@
-"""One condition under `fidelity: auto`: what is simulated of it, how finely and how long, and what that leaves out."""
+"""`fidelity: auto` for one condition: number of rows, settling and record, and the parts that are
+not simulated.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,10 +14,10 @@ from rig.catalog.entries import Rig
 from rig.catalog.entries_by_name import IDEAL
 from rig.drive.losses import LOST
 from rig.drive.waveform import Waveform, waveform
-from rig.fidelity.choice import Choice
+from rig.fidelity.choice import FidelityChoice
 from rig.fidelity.lengths import LengthChoice, choose_lengths
-from rig.fidelity.pilot import Look, Pilot, rows_pilot
-from rig.fidelity.rows import LOOKS, RowsChoice, choose_rows
+from rig.fidelity.pilot import Pilot, PilotRun, rows_pilot
+from rig.fidelity.rows import PILOT_CYCLES, RowsChoice, choose_rows
 from rig.fidelity.scene_rows import resolved_rows, with_rows
 from rig.kernels.rows.many_rows import HISTORY
 from rig.protocol.spec import Acquire, Condition, Protocol, Scene
@@ -25,33 +27,37 @@ from rig.stand.prescribed import CHUNK_CYCLES, Stand
 from rig.theory.total import AVERAGED_CYCLES
 
 TOLERANCE = 0.01
-"""Relative error of W per cycle where a protocol does not say."""
+"""Relative error of W per cycle if a protocol gives none."""
 
 RIGID = ("empty", "locked", "dashpot", "loop_back")
-"""Beds that are the same in every cycle: nothing in them has to settle."""
+"""Beds that are the same in every cycle: there is nothing to settle."""
 
 LONGER = 2
-"""Times as many cycles that a bed is looked at again where the tolerance is not met at first."""
+"""Factor by which the pilot run is extended if the tolerance is not met at first."""
 
 POURINGS = 2
-"""Pourings looked at beside the nominal filling, where runs are poured."""
+"""Random refills in the pilot runs in addition to the nominal filling, if runs are refilled."""
 
 MOST_RUNS = 16
-"""Runs of a bed without rows that are looked at, one by one."""
+"""Most runs of a bed without rows that get a pilot run each."""
 
 EDGES = 64
-"""Sampling edges per cycle of a stand that is asked for energies only: they are found at the events."""
+"""Sampling edges per cycle of a stand for energies only, which are computed at the events."""
 
 FULL_SETTLE, FULL_RECORD = 64, 256
-"""Fully resolved: settled for the longest period that is looked for, and four times as long recorded."""
+"""Fully resolved: settling over the longest period that is looked for, and a record four times as
+long.
+"""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What a protocol asks of every condition.
+    """Requirements of a protocol on every condition.
 
-    tolerance : relative error of a condition's W per cycle, mean over its runs, against the fully resolved scene
-    seed, runs : of the protocol; poured : each run has a filling of its own
+    tolerance : relative error of a condition's W per cycle, mean over its runs, against the fully
+        resolved scene
+    seed, runs : of the protocol
+    poured : whether each run has a refill of its own
     """
 
     tolerance: float
@@ -61,27 +67,33 @@ class Asked:
 
     @classmethod
     def of(cls, protocol: Protocol) -> "Asked":
-        """What a protocol with `fidelity: auto` asks."""
+        """Return the requirements of a protocol with `fidelity: auto`."""
         tolerance = TOLERANCE if protocol.tolerance is None else protocol.tolerance
         return cls(tolerance, protocol.seed, protocol.repeats.n, protocol.repeats.refill)
 
     def drawn(self, condition: Condition) -> int:
-        """Runs with a draw of their own; 0 where all are alike."""
+        """Return the number of runs with random draws of their own; 0 if all are alike."""
         return self.runs if self.poured or condition.drive.imperfection != "none" else 0
 
 
 @dataclass(frozen=True)
 class Noise:
-    """What instruments do to the W of one condition: standard deviation from their noise in a record of one cycle, and
-    the energy below which nothing is claimed, J; cycles that the acquisition needs before it is settled."""
+    """Effect of the instruments on the W of one condition.
+
+    one_cycle : standard deviation due to their noise in a record of one cycle, J
+    detect : energy below which nothing is claimed, J
+    settle : cycles until the acquisition is settled
+    """
 
     one_cycle: float = 0.0
     detect: float = 0.0
     settle: int = 1
 
 
-def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> Choice:
-    """The cheapest rows, settling and record within the tolerance; `losses` : J per cycle that the box takes."""
+def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> FidelityChoice:
+    """Return the cheapest rows, settling and record within the tolerance; `losses` : losses of the
+    box, J per cycle.
+    """
     scene, drive, acquire = condition.scene, condition.drive, condition.acquire
     rows = None
     if scene.bed == "layers":
@@ -90,27 +102,34 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
     allowed = asked.tolerance - (rows.error if rows else 0.0)
     planning = rows.planning if rows else 0
     pilots: list[Pilot] = []
-    first = rows.cycles if rows else LOOKS[0]
-    looks: list[Look] = []
+    first = rows.cycles if rows else PILOT_CYCLES[0]
+    pilot_runs: list[PilotRun] = []
     if rows is None and scene.bed not in RIGID:
-        looks = _looks_at_runs(condition, rig, asked)
+        pilot_runs = _pilots_of_runs(condition, rig, asked)
     elif rows and rows.pilot.W > 0.0:
-        looks = [partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)]
+        pilot_runs = [
+            partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)
+        ]
     for cycles in (first, LONGER * first):
-        known = [rows.pilot] if rows and looks and cycles == first else []
-        pilots = known + [look(cycles) for look in looks[len(known) :]]
+        # The first pilot run is the one that chose the rows: it is not repeated.
+        known = [rows.pilot] if rows and pilot_runs and cycles == first else []
+        pilots = known + [pilot_run(cycles) for pilot_run in pilot_runs[len(known) :]]
         planning += sum(pilot.simulated for pilot in pilots[len(known) :])
         scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
         relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
         lengths = choose_lengths(pilots, allowed, relative, noise.settle, acquire.settle + acquire.record)
+        # Longer pilot runs help only if the window, not the noise, limits the accuracy.
         if lengths.error <= allowed or not pilots or lengths.noise > allowed:
             break
     return _choice(condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning)
 
 
 def resolved(protocol: Protocol, conditions: Sequence[Condition], rig: Rig) -> tuple[tuple[Condition, int], ...]:
-    """Return a protocol's conditions with the rows that `choose` would give them, for what needs no record, and the
-    cycles over which W_T averages rows without a period."""
+    """Return a protocol's conditions with the rows that `choose` would give them, and the cycles
+    over which W_T averages rows without a period.
+
+    For uses that need no record.
+    """
     if protocol.fidelity != "auto":
         return tuple((condition, AVERAGED_CYCLES) for condition in conditions)
     asked = Asked.of(protocol)
@@ -125,23 +144,31 @@ def _with_found_rows(condition: Condition, rig: Rig, asked: Asked) -> tuple[Cond
 
 
 def _averaged(rows: RowsChoice | None) -> int:
+    """Return the cycles over which W_T averages rows without a period."""
     return rows.cycles - HISTORY if rows else AVERAGED_CYCLES
 
 
 def _fillings(scene: Scene, rig: Rig, asked: Asked, condition: Condition) -> Sequence[Filling]:
+    """Return the fillings of the pilot runs: the nominal one and, if runs are refilled, random
+    ones.
+    """
     rng = stream(asked.seed, condition.seed_key, "fidelity")
     drawn = [refill(scene, rig, rng) for _ in range(POURINGS)] if asked.poured else []
     return [nominal(scene, rig), *drawn]
 
 
-def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
-    """Looks at the runs of a bed without rows, waveform and filling as each of them draws its own: one mass may settle
-    in a few cycles on an exact sine and wander for hundreds on one that is 0.3 % off."""
+def _pilots_of_runs(condition: Condition, rig: Rig, asked: Asked) -> list[PilotRun]:
+    """Return pilot runs for the runs of a bed without rows, with the waveform and filling that each
+    of them draws.
+
+    A single mass may settle in a few cycles on an exact sine and wander for hundreds on one that
+    deviates by 0.3 %.
+    """
     scene, drive = condition.scene, condition.drive
     if not asked.drawn(condition):
         exact = Waveform(drive.frequency, drive.acceleration)
         return [partial(stand_pilot, scene, rig, exact, nominal(scene, rig))]
-    found: list[Look] = []
+    found: list[PilotRun] = []
     for repeat in range(1, min(asked.runs, MOST_RUNS) + 1):
         draw = partial(stream, asked.seed, condition.seed_key, str(repeat))
         rng = None if drive.imperfection == "none" else draw("drive")
@@ -154,13 +181,13 @@ def _looks_at_runs(condition: Condition, rig: Rig, asked: Asked) -> list[Look]:
 def _choice(
     condition: Condition, tolerance: float, rows: RowsChoice | None, lengths: LengthChoice, skipped: tuple[str, ...],
     planning: int,
-) -> Choice:  # fmt: skip
+) -> FidelityChoice:  # fmt: skip
     written = (condition.scene.layers.rows, condition.acquire.settle, condition.acquire.record)
     resolved = (resolved_rows(condition.scene), FULL_SETTLE, FULL_RECORD)
     chosen = (rows.rows if rows else 0, lengths.settle, lengths.record)
     flowing = rows.pilot.flowing if rows else 0
     counts = {"auto": chosen, "written": written, "resolved": resolved}
-    return Choice(
+    return FidelityChoice(
         tolerance=tolerance,
         rows=rows.rows if rows else None,
         settle=lengths.settle,
@@ -179,7 +206,7 @@ def _choice(
 
 
 def _skipped(condition: Condition, rig: Rig, rows: RowsChoice | None) -> tuple[str, ...]:
-    """What the run leaves out because nothing would come of it."""
+    """Return the parts that the run leaves out because they would have no effect."""
     scene, drive = condition.scene, condition.drive
     said = {
         "empty": "bed: the box is empty",
@@ -205,7 +232,7 @@ def _skipped(condition: Condition, rig: Rig, rows: RowsChoice | None) -> tuple[s
 
 
 def _ideal(acquire: Acquire) -> tuple[str, ...]:
-    """Components that are ideal: their errors are left out."""
+    """Return the ideal components, whose errors are left out."""
     parts = {
         "analyzer": (acquire.analyzer, "noise, gain error, skew, clock"),
         "force sensor": (acquire.sensors.force, "noise, pole, calibration error"),
@@ -215,7 +242,9 @@ def _ideal(acquire: Acquire) -> tuple[str, ...]:
 
 
 def stand_pilot(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int) -> Pilot:
-    """Any bed, on a stand with few sampling edges: the steady energy is the mean of the later half."""
+    """Run a pilot of any bed on a stand with few sampling edges: the steady energy is the mean of
+    the later half.
+    """
     stand = Stand(scene, rig, motion, filling, EDGES * motion.frequency)
     for _ in range(-(-cycles // CHUNK_CYCLES)):
         stand.advance()

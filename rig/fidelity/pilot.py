@@ -1,4 +1,6 @@
-"""A look at a bed without a stand: its steady energy row by row, and what the box gives it cycle by cycle."""
+"""Pilot run of a bed without a stand: its steady energy row by row, and the work of the box in each
+cycle.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,12 +25,14 @@ Array = NDArray[np.float64]
 class Pilot:
     """A bed from rest on an exact sine at the set acceleration.
 
-    energy : steady energy per cycle of each row that slides, J, shape (layers, rows); of a bed without rows (1, 1)
+    energy : steady energy per cycle of each sliding row, J, shape (layers, rows); of a bed without
+        rows (1, 1)
     work : of the box on the bed in each cycle, J, shape (cycles,)
-    layers, flowing : layers in all, and those that slide
-    repeating : share of the energy in rows that repeat themselves
-    averaging : error of the energy of rows without a period, as a share of all (`_averaging`)
-    simulated : cycles of rows that were simulated
+    layers, flowing : number of layers in total, and of those that slide
+    repeating : fraction of the energy in periodic rows
+    averaging : error of the energy of rows without a period, as a fraction of the total
+        (`_averaging`)
+    simulated : number of row cycles simulated
     """
 
     energy: Array
@@ -45,12 +49,14 @@ class Pilot:
         return float(self.energy.sum())
 
 
-Look = Callable[[int], Pilot]
-"""cycles -> the bed over so many of its first cycles."""
+PilotRun = Callable[[int], Pilot]
+"""A pilot run: number of cycles -> the bed over its first cycles."""
 
 
 def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: int) -> Pilot:
-    """Bed `layers`: every row until it repeats itself. Raises InputError where a row has too many events."""
+    """Run a pilot of bed `layers`: every row until it is periodic. Raises InputError if a row has
+    too many events.
+    """
     bed = stack(scene, rig, filling)
     rows = sliding_rows(bed.threshold, bed.play, bed.restitution, drive.acceleration, drive.frequency)
     found = transient(rows, np.ones(1), np.zeros(1), cycles)
@@ -70,9 +76,12 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
 
 
 def _averaging(loose: Array) -> float:
-    """Error of the mean of a series: half the range of the means over its quarters, or the difference between its
-    halves where that is more. Twice the standard error of four independent means, and more than what is left where
-    rows settle late."""
+    """Return the error of the mean of a series: half the range of the means over its quarters, or
+    the difference between its halves if that is larger.
+
+    This is about twice the standard error of four independent means, and covers rows that settle
+    late.
+    """
     quarters = np.array([part.mean() for part in np.array_split(loose, 4)])
     halves = np.array([part.mean() for part in np.array_split(loose, 2)])
     return float(max(0.5 * np.ptp(quarters), np.ptp(halves)))

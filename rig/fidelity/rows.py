@@ -1,4 +1,6 @@
-"""How many rows a layer needs: a ladder of them against the rows that lie side by side in the box."""
+"""Number of rows per layer: an increasing series of trials against the number of rows side by side
+in the box.
+"""
 
 import math
 from collections.abc import Iterator
@@ -17,43 +19,53 @@ from rig.protocol.spec import Drive, Scene
 Array = NDArray[np.float64]
 
 LADDER = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
-"""Rows per layer that are tried, below the resolved number."""
+"""Trial numbers of rows per layer, below the resolved number."""
 
 SHARE = 0.5
-"""Most of the tolerance that rows may take; settling, record and noise share what they leave."""
+"""Largest fraction of the tolerance for the rows; the remainder is for settling, record
+and noise.
+"""
 
 COVERAGE = 2.0
-"""Standard deviations that stand for a scatter."""
+"""Coverage factor: the number of standard deviations counted as error."""
 
 LAGS = 20
-"""Distances between rows at which their semivariance is taken."""
+"""Number of distances between rows at which their semivariance is computed."""
 
-LOOKS = (HISTORY + 448, HISTORY + 1984, HISTORY + 8128)
-"""Cycles over which a bed is looked at, as many as rows without a period need to be averaged: some wander for hundreds
-of cycles before they repeat themselves, and take up to half as much then."""
+PILOT_CYCLES = (HISTORY + 448, HISTORY + 1984, HISTORY + 8128)
+"""Lengths of pilot runs, in cycles, as averaging rows without a period requires: some wander for
+hundreds of cycles before they become periodic, and then dissipate up to half as much.
+"""
 
 AVERAGING = 0.1
-"""Share of the tolerance that averaging rows without a period should not exceed; it is counted in any case."""
+"""Target for the error of averaging rows without a period, as a fraction of the tolerance; the
+error counts in any case.
+"""
 
 LATE = 0.5
-"""Most that the energy of rows without a period may change once they repeat themselves, as a share of theirs: what they
-are taken to leave open until a longer look shows what they do."""
+"""Relative error assigned to rows whose motion has not become periodic within the pilot run;
+replaced by the observed change after a longer run.
+"""
 
 MOST_REFERENCE_ROWS = 200_000
-"""Rows in all sliding layers of a reference; a bed with more is compared with fewer rows than lie side by side."""
+"""Most rows in all sliding layers of a reference; for a bed with more, the reference has fewer rows
+than lie side by side.
+"""
 
 
 @dataclass(frozen=True)
 class RowsChoice:
-    """Rows per layer and what they cost in accuracy, relative to W.
+    """Rows per layer and their errors, relative to W.
 
-    resolved : rows side by side, L2/d; reference : rows compared with, fewer where these are too many
-    cycles : over which the beds were looked at
-    bias : of W_T as the closed tier finds it, rows in the middle of their strata
-    scatter, scatter_resolved : standard deviation of one pouring's W from where rows lie in their strata, with these
-        rows and with the resolved ones
-    error : what is counted against the tolerance
-    pilot : the bed with these rows, nominal filling; planning : cycles of rows simulated to find them
+    resolved : rows side by side, L2/d
+    reference : rows of the reference, fewer if the resolved ones are too many
+    cycles : length of the pilot runs
+    bias : of W_T by the closed tier, rows in the middle of their strata
+    scatter, scatter_resolved : standard deviation of one refill's W due to the positions of rows in
+        their strata, with these rows and with the resolved ones
+    error : counted against the tolerance
+    pilot : the bed with these rows, nominal filling
+    planning : row cycles simulated for the choice
     """
 
     rows: int
@@ -69,17 +81,18 @@ class RowsChoice:
 
 
 def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: int) -> RowsChoice:
-    """The fewest rows of the ladder whose error is within `SHARE` of the tolerance; the resolved rows where none are.
+    """Return the smallest trial number of rows with an error within `SHARE` of the tolerance, or
+    the resolved number if there is none.
 
-    drawn : runs whose mean is compared, each with a draw of its own (packing or waveform); 0 where all are alike and
-        the nominal filling is what is run
+    drawn : number of runs in the mean, each with random draws of its own (packing or waveform); 0
+        if all are alike and use the nominal filling
 
-    The error is the larger of the bias of W_T and, where runs are drawn, `COVERAGE` standard deviations of the mean
-    over the runs that the strata add to the scatter of resolved rows; and what the look leaves open of the resolved
-    rows' own energy.
+    The error is the larger of the bias of W_T and, for drawn runs, `COVERAGE` standard deviations
+    of the mean over the runs that the strata add to the scatter of resolved rows; plus the
+    uncertainty of the resolved rows' own energy after the pilot run.
     """
     resolved = resolved_rows(scene)
-    flowing = _look(with_rows(scene, 1), rig, drive, LOOKS[0]).flowing
+    flowing = _pilot(with_rows(scene, 1), rig, drive, PILOT_CYCLES[0]).flowing
     reference = min(resolved, max(MOST_REFERENCE_ROWS // max(flowing, 1), 1))
     best, cycles, left, planning = _long_enough(with_rows(scene, reference), rig, drive, AVERAGING * tolerance)
     if not best.W > 0.0:
@@ -89,9 +102,10 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
     for rows in _candidates(reference):
         found = scatter(best.energy, rows) / best.W
         added = COVERAGE * math.sqrt(max(found**2 - least**2, 0.0) / max(drawn, 1))
+        # Far too much scatter: skip the pilot run of this number.
         if added > (1.0 if drawn else 2.0 * COVERAGE) * SHARE * tolerance:
             continue
-        tried = best if rows == reference else _look(with_rows(scene, rows), rig, drive, cycles)
+        tried = best if rows == reference else _pilot(with_rows(scene, rows), rig, drive, cycles)
         planning += tried.simulated if tried is not best else 0
         bias = tried.W / best.W - 1.0
         error = max(abs(bias), added if drawn else 0.0) + short
@@ -101,12 +115,14 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
 
 
 def scatter(energy: Array, rows: int) -> float:
-    """Standard deviation of the sum of the rows' energies where each of `rows` rows lies anywhere in its stratum.
+    """Return the standard deviation of the sum of the rows' energies, each of `rows` rows lying
+    anywhere in its stratum.
 
-    energy : of resolved rows, (layers, resolved), in the order of their play
+    energy : of resolved rows, (layers, resolved), in order of their play
 
-    The variance of one row over its stratum is the mean semivariance of pairs inside it (the dispersion variance of
-    geostatistics): (2/L^2) integral of (L - l) gamma(l) dl, with gamma from the resolved rows of all layers.
+    The variance of one row over its stratum is the mean semivariance of pairs inside it (the
+    dispersion variance of geostatistics): (2/L^2) integral of (L - l) gamma(l) dl, with gamma from
+    the resolved rows of all layers.
     """
     layers, resolved = energy.shape
     if resolved == 1:
@@ -122,15 +138,15 @@ def scatter(energy: Array, rows: int) -> float:
 
 
 def _long_enough(scene: Scene, rig: Rig, drive: Drive, allowed: float) -> tuple[Pilot, int, float, int]:
-    """The shortest look that leaves at most `allowed` of the energy open, or the longest one; its cycles, what it
-    leaves open, and the cycles of rows simulated for it and for those before.
+    """Return the shortest pilot run with an energy uncertainty of at most `allowed`, or the longest
+    one; its cycles; its relative uncertainty; and the row cycles simulated, including shorter runs.
 
-    Open is what averaging leaves, and what rows without a period may still change: at most `LATE` of what they take,
-    and what they did since a shorter look, where there was one.
+    The uncertainty is that of averaging, or the possible change of rows without a period: at most
+    `LATE` of their energy, and at most the change observed since a shorter run, if there was one.
     """
     before, simulated = 0.0, 0
-    for cycles in LOOKS:
-        found = _look(scene, rig, drive, cycles)
+    for cycles in PILOT_CYCLES:
+        found = _pilot(scene, rig, drive, cycles)
         simulated += found.simulated
         late = LATE * (1.0 - found.repeating)
         if before > 0.0:
@@ -147,5 +163,6 @@ def _candidates(reference: int) -> Iterator[int]:
     yield reference
 
 
-def _look(scene: Scene, rig: Rig, drive: Drive, cycles: int) -> Pilot:
+def _pilot(scene: Scene, rig: Rig, drive: Drive, cycles: int) -> Pilot:
+    """Run a pilot of the nominal filling."""
     return rows_pilot(scene, rig, drive, nominal(scene, rig), cycles)

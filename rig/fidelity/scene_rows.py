@@ -1,4 +1,4 @@
-"""Scenes with other numbers of rows per layer."""
+"""Scenes with different numbers of rows per layer."""
 
 from dataclasses import replace
 
@@ -7,16 +7,20 @@ from rig.theory.chain import grains_in_row
 
 
 def resolved_rows(scene: Scene) -> int:
-    """Rows of grains side by side across the drive axis, floor(L2/d), at least one."""
+    """Return the number of rows of grains side by side across the drive axis, floor(L2/d), at least
+    one.
+    """
     return max(grains_in_row(scene.cavity.width, scene.grains.diameter), 1)
 
 
 def with_rows(scene: Scene, rows: int) -> Scene:
-    """The scene with so many rows per layer."""
+    """Return the scene with `rows` rows per layer."""
     return replace(scene, layers=replace(scene.layers, rows=rows))
 
 
 def side_by_side(scene: Scene) -> Scene:
-    """The scene with as many rows per layer as lie side by side; one whose bed has no rows, or as many, as it is."""
+    """Return the scene with as many rows per layer as lie side by side; unchanged if the bed has no
+    rows, or already as many.
+    """
     rows = resolved_rows(scene)
     return with_rows(scene, rows) if scene.bed == "layers" and scene.layers.rows < rows else scene

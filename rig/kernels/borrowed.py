@@ -1,4 +1,4 @@
-"""Arrays that compiled code hands on without counting their references."""
+"""Array views that compiled code passes on without reference counting."""
 
 from typing import Any, Protocol, TypeVar, cast
 
@@ -6,7 +6,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-# numba's compiler gives no types
+# numba's compiler modules are untyped.
 struct: Any = cgutils.create_struct_proxy
 owner: Any = types.MemInfoPointer(types.voidptr)  # type: ignore[no-untyped-call]
 
@@ -14,7 +14,7 @@ View = TypeVar("View")
 
 
 class Borrowed(Protocol):
-    """Gives back what it gets."""
+    """A function that returns its argument."""
 
     def __call__(self, array: View, /) -> View: ...
 
@@ -30,7 +30,9 @@ def _borrowed(typing_context: Any, array: types.Array) -> Any:  # noqa: ARG001  
 
 
 borrowed = cast(Borrowed, intrinsic(_borrowed))
-"""The same array, seen without its owner, which has to outlive it (an argument's owner is the caller).
+"""Return the same array as a view without an owner; the owner must outlive it (an argument is owned
+by the caller).
 
-Compiled code counts up and down, atomically, for every array that it hands on: more than an event of a row costs.
+Compiled code increments and decrements an atomic counter for every array that it passes on, which
+costs more than an event of a row.
 """

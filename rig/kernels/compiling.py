@@ -1,4 +1,4 @@
-"""Word of it when loops are compiled: at the first use on a machine, and after a change."""
+"""Notification of compilation, which happens at the first use on a machine and after a change."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +9,7 @@ __all__ = ["tell_of_compiling"]
 
 
 def tell_of_compiling(tell: Callable[[], None]) -> None:
-    """Call `tell`, once, when numba begins to compile; code that it finds compiled is no reason to."""
+    """Call `tell` once, when numba starts to compile; loading cached code does not count."""
     event.register("numba:compile", _Once(tell))  # type: ignore[no-untyped-call, unused-ignore]
 
 
@@ -19,10 +19,10 @@ class _Once(event.Listener):  # type: ignore[misc, unused-ignore]
         self._told = False
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002  numba calls it so
-        """Tell, the first time."""
+        """Call the listener, the first time only."""
         if not self._told:
             self._told = True
             self._tell()
 
     def on_end(self, event: Any) -> None:
-        """Say nothing."""
+        """Do nothing."""

@@ -1,8 +1,8 @@
-"""Closed-form periodic motion and the phases at which its acceleration crosses a level.
+"""Closed-form periodic motion, and the phases at which its acceleration crosses a level.
 
-A waveform is two coefficient arrays P, Q (harmonics 1..H): with the phase theta = omega t and the units
-acceleration A, velocity A/omega and length A/omega^2,
-x = sum (P_h sin h theta + Q_h cos h theta)/h^2, v = x', a = v'.
+A waveform is two coefficient arrays P, Q (harmonics 1..H). With the phase theta = omega t and the
+units acceleration A, velocity A/omega and length A/omega^2, x = sum (P_h sin h theta + Q_h cos h
+theta)/h^2, v = x', a = v'.
 """
 
 import math
@@ -15,17 +15,20 @@ from numpy.typing import NDArray
 TWO_PI = 2.0 * math.pi
 
 R6, R24, R120, R720 = 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0
+"""Reciprocals of 3!, 4!, 5! and 6!."""
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
 class Crossings(NamedTuple):
-    """Where an acceleration leaves or enters the bands [-threshold, threshold] of n thresholds in one cycle.
+    """The phases at which an acceleration leaves or enters the bands [-threshold, threshold] of n
+    thresholds in one cycle.
 
     counts : number of crossings in [0, 2 pi), shape (n,)
-    tables : lines of phase, box position, box velocity, region behind the phase (-1 below the band, 0 inside, +1
-        above), and acceleration, shape (n, m, 5); the first is phase 0, then the crossings ascend, then 2 pi to the end
+    tables : shape (n, m, 5), columns phase, box position, box velocity, region after the phase (-1
+        below the band, 0 inside, +1 above), acceleration. The first line is phase 0, then the
+        crossings in ascending order; the remaining lines are 2 pi
     """
 
     counts: Ints
@@ -34,8 +37,11 @@ class Crossings(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def sines(phase: Array) -> tuple[Array, Array]:
-    """Return sine and cosine of phases, shape (n,), by the mathematical library that all kernels call: the last digits
-    of numpy's own hang on the processor."""
+    """Return sine and cosine of phases, shape (n,), by the mathematical library that all kernels
+    use.
+
+    The last digits of numpy's own sine depend on the processor.
+    """
     sine, cosine = np.empty_like(phase), np.empty_like(phase)
     for k in range(phase.shape[0]):
         sine[k], cosine[k] = math.sin(phase[k]), math.cos(phase[k])
@@ -44,7 +50,7 @@ def sines(phase: Array) -> tuple[Array, Array]:
 
 @njit(cache=True, nogil=True, inline="always")
 def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
-    """Position, velocity and acceleration of the waveform at a phase."""
+    """Return position, velocity and acceleration of the waveform at a phase."""
     s1 = math.sin(theta)
     c1 = math.cos(theta)
     x = P[0] * s1 + Q[0] * c1
@@ -52,7 +58,9 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
     a = -x
     s, c = s1, c1
     for k in range(1, P.shape[0]):
+        # Addition theorem: the next harmonic without another sine.
         s, c = s * c1 + c * s1, c * c1 - s * s1
+        # Each integration in time divides harmonic h by h; the sign turns twice from x to a.
         h = k + 1.0
         wave = P[k] * s + Q[k] * c
         x += wave / (h * h)
@@ -63,7 +71,9 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
 
 @njit(cache=True, nogil=True, inline="always")
 def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, float, float, float, float]:
-    """Position, velocity, acceleration of the waveform and the derivatives up to that of order 7, by the phase."""
+    """Return position, velocity and acceleration of the waveform and the derivatives by phase up to
+    order 7.
+    """
     s1 = math.sin(theta)
     c1 = math.cos(theta)
     x = P[0] * s1 + Q[0] * c1
@@ -74,6 +84,7 @@ def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, f
         s, c = s * c1 + c * s1, c * c1 - s * s1
         h = k + 1.0
         wave = P[k] * s + Q[k] * c
+        # turn = h (P cos - Q sin): d/dtheta turns wave into turn and turn into -h^2 wave.
         turn = h * (P[k] * c - Q[k] * s)
         square = h * h
         x += wave / square
@@ -91,7 +102,9 @@ def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, f
 def near_by(
     d: float, x: float, v: float, a: float, jerk: float, d4: float, d5: float, d6: float, d7: float
 ) -> tuple[float, float, float]:
-    """Position, velocity and acceleration a phase d away from a jet, by Taylor's series, summed in pairs."""
+    """Return position, velocity and acceleration at a phase offset d from a jet, by Taylor's
+    series, summed in pairs.
+    """
     square = d * d
     return (
         (x + d * v)
@@ -104,10 +117,12 @@ def near_by(
 
 @njit(cache=True, nogil=True)
 def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P: Array, Q: Array) -> float:
-    """Phase in a bracket where a(theta) = level, to round-off: regula falsi with the Illinois step.
+    """Return the phase in a bracket where a(theta) = level, to round-off: regula falsi with the
+    Illinois step.
 
-    f_lo, f_hi : a - level at its ends, of different signs. Computed anew they might not be: an end may be an extremum
-    that just touches the level, a cycle later.
+    f_lo, f_hi : a - level at the ends, of opposite sign. They are passed in, because recomputed
+        values could lose the opposite sign: an end may be an extremum that just touches the level,
+        one cycle later.
     """
     if f_lo == 0.0:
         return lo
@@ -116,6 +131,7 @@ def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P:
         if f_hi == 0.0 or hi - lo <= 4e-16 * hi:
             break
         theta = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        # Round-off may put the secant on an end: bisect.
         if not (lo < theta < hi):
             theta = 0.5 * (lo + hi)
             if theta <= lo or theta >= hi:
@@ -123,6 +139,7 @@ def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P:
         f = motion(theta, P, Q)[2] - level
         if (f > 0.0) == (f_hi > 0.0):
             hi, f_hi = theta, f
+            # Illinois: halve the value of an end that stays twice, or convergence would be linear.
             if side == 1:
                 f_lo *= 0.5
             side = 1
@@ -138,12 +155,14 @@ def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P:
 
 @njit(cache=True, nogil=True)
 def extrema(P: Array, Q: Array) -> Array:
-    """Phases in [0, 2 pi) where the acceleration is largest or smallest, ascending, shape (m,)."""
+    """Return the phases in [0, 2 pi) of the extrema of the acceleration, ascending, shape (m,)."""
     harmonics = P.shape[0]
+    # The jerk has at most 2 H zeros in a cycle: 128 samples per harmonic separate them.
     samples = 128 * harmonics
     jerk_P = np.empty(harmonics)
     jerk_Q = np.empty(harmonics)
     for k in range(harmonics):
+        # `motion` with these coefficients gives the jerk in the place of the acceleration.
         jerk_P[k] = -(k + 1.0) * Q[k]
         jerk_Q[k] = (k + 1.0) * P[k]
     found = np.empty(samples)
@@ -161,10 +180,14 @@ def extrema(P: Array, Q: Array) -> Array:
 
 @njit(cache=True, nogil=True)
 def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossings:
-    """Where the acceleration crosses each threshold, up or down; `turning` are its `extrema`."""
+    """Return where the acceleration crosses each threshold, up or down; `turning` is
+    its `extrema`.
+    """
     n = thresholds.shape[0]
     counts = np.zeros(n, np.int64)
     tables = np.empty((n, 2 * turning.shape[0] + 2, 5))
+    # Between neighbouring extrema the acceleration is monotonic, so each level is crossed at most
+    # once.
     bounds = np.append(turning, turning[:1] + TWO_PI)
     values = np.empty(bounds.shape[0])
     for k in range(turning.shape[0]):
@@ -174,10 +197,13 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     for i in range(n):
         band, table = thresholds[i], tables[i]
         table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4] = TWO_PI, x0, v0, 0.0, a0
-        table[0, 0], table[0, 3] = 0.0, 1.0 if a0 > band else (-1.0 if a0 < -band else 0.0)
+        table[0, 0] = 0.0
+        if abs(a0) > band:
+            table[0, 3] = math.copysign(1.0, a0)
         phases, behind = _crossings_of(band, bounds, values, P, Q)
-        # two crossings may fall on one phase, where the acceleration just touches a threshold: the order of the pieces
-        # tells which comes first, those of the next cycle before all others
+        # Two crossings may coincide where the acceleration just touches a threshold. The order of
+        # the monotonic pieces decides which comes first; those of the next cycle precede all
+        # others.
         line, count = 0, phases.shape[0]
         wrapped = np.sum(phases >= TWO_PI)
         for n in range(count):
@@ -194,9 +220,11 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
 
 @njit(cache=True, nogil=True)
 def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array) -> tuple[Array, Array]:
-    """Phases (m,) at which the acceleration crosses -band or band, piece by monotonic piece, and the regions behind.
+    """Return the phases (m,) at which the acceleration crosses -band or band, and the region after
+    each.
 
-    They ascend from the first of `bounds` on, beyond 2 pi.
+    Computed for one monotonic piece after another, between consecutive `bounds`; the phases ascend
+    from the first bound and may exceed 2 pi.
     """
     pieces = max(bounds.shape[0] - 1, 0)
     phases = np.empty(2 * pieces)
@@ -204,6 +232,7 @@ def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array)
     count = 0
     for k in range(pieces):
         lo, hi = values[k], values[k + 1]
+        # In the order in which a rising (falling) piece meets the two levels.
         first = -band if hi > lo else band
         for level in (first, -first):
             if (lo > level) != (hi > level):

@@ -1,1 +1,1 @@
-"""W_T, the energy per cycle that the model predicts, and its uncertainty."""
+"""W_T, the energy per cycle predicted by the model, and its uncertainty."""

@@ -1,4 +1,4 @@
-"""What a session states of its conditions beforehand: the predictions as plain numbers, and the facts."""
+"""Predictions and known facts of the conditions, as plain numbers for the session."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,9 +20,11 @@ NO_REFILLS: Mapping[str, Sequence[float]] = {}
 def predictions(
     conditions: Iterable[Condition], rig: Rig, workers: int, averaged: Mapping[str, int] = NOWHERE
 ) -> dict[str, tuple[Prediction, dict[str, list[float]]]]:
-    """W_T of every condition by id: at the set acceleration, and as a curve about it to be read at the measured one.
+    """Return W_T of every condition by id: at the set acceleration, and as a table about it for
+    interpolation.
 
-    averaged : cycles over which rows without a period are averaged, for conditions that have their own number
+    averaged : cycles over which rows without a period are averaged, for conditions that have their
+        own number
     """
     wanted = tuple(conditions)
     with ThreadPoolExecutor(workers) as pool:
@@ -31,7 +33,7 @@ def predictions(
 
 
 def has_level(condition: Condition) -> bool:
-    """Whether a level is set, on which a sine's W_T can be predicted: not in open loop."""
+    """Return whether a level is set, for which W_T of a sine can be predicted: not in open loop."""
     drive = condition.drive
     return drive.mode == "servo" or drive.control == "level"
 
@@ -40,35 +42,38 @@ def prediction_document(
     found: Mapping[str, tuple[Prediction, Mapping[str, Sequence[float]]]],
     refills: Mapping[str, Sequence[float]] = NO_REFILLS,
 ) -> dict[str, Any]:
-    """The predictions as plain numbers for the session: another model's numbers may stand in their place.
+    """Return the predictions as plain numbers for the session; another model's numbers can replace
+    them.
 
-    refills : of conditions whose bed is poured anew, energies of poured beds over W_T
+    refills : of conditions whose bed is refilled, energies of refilled beds divided by W_T
     """
-    return {
-        "conditions": {
-            name: {
-                **table,
-                "u_rel": point.u_rel,
-                "u_levels": point.u_levels,
-                "u_settling": point.u_settling,
-                "W_T_paper": point.W_T_paper,
-                "bound": _finite(point.bound),
-                "period": point.period,
-                "periodic_share": point.periodic_share,
-                **({"refills": list(refills[name])} if refills.get(name) else {}),
-            }
-            for name, (point, table) in found.items()
+    conditions = {}
+    for name, (point, table) in found.items():
+        entry: dict[str, Any] = {
+            **table,
+            "u_rel": point.u_rel,
+            "u_levels": point.u_levels,
+            "u_settling": point.u_settling,
+            "W_T_paper": point.W_T_paper,
+            "bound": _finite(point.bound),
+            "period": point.period,
+            "periodic_share": point.periodic_share,
         }
-    }
+        if refills.get(name):
+            entry["refills"] = list(refills[name])
+        conditions[name] = entry
+    return {"conditions": conditions}
 
 
 def _finite(value: float) -> float | None:
-    """JSON has no infinity: an elastic slug has no bound."""
+    """Return None for infinity, which JSON does not have: an elastic single mass has no bound."""
     return value if math.isfinite(value) else None
 
 
 def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
-    """What identifies a condition in reports and `rig model`: scene keys, SI."""
+    """Return the data that identify a condition in reports and `rig model`: scene keys,
+    SI units.
+    """
     scene, drive = condition.scene, condition.drive
     return {
         "id": condition.id,
@@ -87,7 +92,7 @@ def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
 
 
 def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: float) -> dict[str, Any]:
-    """What the laboratory knows of a condition beforehand; goes into the session."""
+    """Return the facts that the laboratory knows of a condition beforehand, for the session."""
     return {
         **scene_facts(condition, point),
         "carried": point.carried,
@@ -109,13 +114,17 @@ def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: flo
 
 
 def _places(condition: Condition) -> dict[str, str]:
-    """The ends of the stinger that gauge and accelerometer are fixed to; servo drive has no stinger."""
+    """Return the ends of the stinger to which gauge and accelerometer are fixed; prescribed motion
+    has no stinger.
+    """
     drive = condition.drive
     return {} if drive.mode == "servo" else {"gauge": drive.gauge, "accelerometer": drive.accelerometer}
 
 
 def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
-    """Whether gas drag is switched on, and its largest value over the bed's weight; None where it is not listed."""
+    """Return whether gas drag is switched on, and its largest ratio to the bed's weight; None if it
+    is not listed.
+    """
     if "gas" not in condition.scene.losses:
         return None
     share = share_of_weight(condition.scene, rig, condition.drive.acceleration, condition.drive.frequency)
@@ -123,7 +132,7 @@ def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
 
 
 def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:
-    """One line of `rig model`."""
+    """Return one line of `rig model`."""
     return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)} | {
         "bound": _finite(point.bound)
     }

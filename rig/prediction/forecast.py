@@ -1,4 +1,6 @@
-"""What is predicted of a condition before it is run: W_T about its level, and what refills do to it."""
+"""Forecast of a condition before it is run: W_T about its level, and its variation
+between refills.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,8 +19,9 @@ __all__ = ["Forecast", "forecast"]
 class Forecast:
     """The prediction of one condition, which `condition` names.
 
-    point: at the set level; table: W_T, W_f, W_c (J) at levels about it (m/s^2); refills: energies
-    of poured beds over W_T, empty where the repeats share one bed
+    point : at the set level
+    table : W_T, W_f, W_c (J) at levels about it (m/s^2)
+    refills : energies of refilled beds divided by W_T, empty if the repeats share one bed
     """
 
     condition: str
@@ -31,7 +34,8 @@ class Forecast:
 def forecast(condition: Condition, rig: Rig, refill: bool, cycles: int | None = None) -> Forecast:
     """Predict a condition.
 
-    refill: whether every repeat has a bed of its own; cycles: averaged of rows without a period, where that was chosen
+    refill : whether every repeat has a refill of its own
+    cycles : averaged for rows without a period, if that was chosen
     """
     point, table = predict_about(condition, rig, cycles or AVERAGED_CYCLES)
     ratios = refill_ratios(condition, rig, point.W_T) if refill and has_level(condition) else ()

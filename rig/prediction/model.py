@@ -1,4 +1,6 @@
-"""What the model says of a scene: both tiers of W_T and the bound, from scene and rig to plain numbers."""
+"""Model prediction for a scene: W_T as printed and event-resolved, and the upper bound, as plain
+numbers.
+"""
 
 import math
 from collections.abc import Sequence
@@ -16,44 +18,63 @@ from rig.stand.box import box_mass
 from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
 from rig.theory.single_mass import SlugTotal, slug_total
-from rig.theory.total import AVERAGED_CYCLES, TooManyEvents, Total, closed_tier, paper_collision, plastic_bound
+from rig.theory.total import (
+    AVERAGED_CYCLES,
+    ModelEnergy,
+    TooManyEvents,
+    as_printed_collision,
+    layers_total,
+    plastic_bound,
+)
 
 LEVELS = (0.97, 0.98, 0.99, 1.0, 1.01, 1.02, 1.03)
-"""Levels, relative to the set acceleration, at which W_T is computed to be read at the measured acceleration."""
+"""Levels, relative to the set acceleration, at which W_T is computed for interpolation to the
+measured acceleration.
+"""
 
 READ = 1.0 / math.sqrt(2.0)
-"""Standard uncertainty of a W_T read between levels, over the largest error of reading one of them off its neighbours.
+"""Standard uncertainty of an interpolated W_T, divided by the largest error of interpolating one
+level from its neighbours.
 
-Where rows lock to the drive W_T is rough in the level, down to steps of 0.1 %: no table is fine enough. With a
-roughness of standard deviation s, W_T read half way differs by sqrt(3/2) s from the value there, on average over the
-way by sqrt(5/3) s = 1.29 s; the largest of five errors at the tabulated levels is 1.84 s in the mean.
+Where rows lock to the drive, W_T is rough as a function of the level, down to steps of 0.1 %: no
+table is fine enough. With a roughness of standard deviation s, W_T interpolated half way differs by
+sqrt(3/2) s from the value there, and by sqrt(5/3) s = 1.29 s on average over the interval; the mean
+of the largest of five errors at the tabulated levels is 1.84 s.
 """
 
 SLUG_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
-"""The same for a slug: closer, since its orbit may be another one a little beside."""
+"""The levels for a single mass: closer, because it may be on another orbit at a slightly different
+level.
+"""
 
 SLUG_AVERAGE = (256, 1024)
-"""Cycles that a slug's orbit without a period settles and is averaged at the levels beside the set one."""
+"""Cycles of settling and averaging of a single-mass orbit without a period, at levels other than
+the set one.
+"""
 
 SLUG_REACH = 5
-"""Levels to either side of the set one among which the measured one is expected: 1 %."""
+"""Levels to either side of the set one within which the measured one is expected: 1 %."""
 
 SLUG_ERROR = 1e-9
-"""Relative error of a slug's W_T on an orbit with a period (tests/physics/test_slug_orbits.py)."""
+"""Relative error of W_T of a single mass on an orbit with a period
+(tests/physics/test_slug_orbits.py).
+"""
 
 NUMERICAL_ERROR = 1e-3
-"""Relative standard uncertainty of W_T's numerics: averaging of rows without a period (tests/physics)."""
+"""Relative standard uncertainty of W_T due to numerics: averaging of rows without a period
+(tests/physics).
+"""
 
-NOTHING = Total(0.0, 0.0, 1, 1.0)
+NOTHING = ModelEnergy(0.0, 0.0, 1, 1.0)
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Energy per cycle that the model gives for one condition, J, and what it is made of (masses in kg).
+    """Predicted energy per cycle for one condition and its parts, J (masses in kg).
 
-    Relative standard uncertainties of W_T: u_rel of its numerics; where it was computed at levels about the set one,
-    u_levels of reading it between them, and u_settling, the difference between the steady state and the mean of the
-    recorded cycles, for a bed that starts at rest.
+    Relative standard uncertainties of W_T: u_rel of the numerics; and, if it was computed at
+    several levels, u_levels of the interpolation between them, and u_settling, the difference
+    between the steady state and the mean of the recorded cycles, for a bed that starts at rest.
     """
 
     bed_mass: float
@@ -72,18 +93,21 @@ class Prediction:
     u_settling: float = 0.0
 
 
-def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> Total:
-    """W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
+def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> ModelEnergy:
+    """Return W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
     if scene.bed == "slug":
-        return slug_tier(scene, rig, filling, acceleration, frequency).total
-    return closed(scene, stack(scene, rig, filling), acceleration, frequency)
+        return slug_variant(scene, rig, filling, acceleration, frequency).total
+    return layers_variant(scene, stack(scene, rig, filling), acceleration, frequency)
 
 
-def slug_tier(
+def slug_variant(
     scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float, settle: int = SETTLE,
     average: int = AVERAGE, window: tuple[int, int] | None = None,
 ) -> SlugTotal:  # fmt: skip
-    """The slug of one filling at one acceleration. Raises InputError where it bounces too often to be followed."""
+    """Return the energy of the single mass of one filling at one acceleration.
+
+    Raises InputError if it bounces too often to be followed.
+    """
     bed = slug(scene, rig, filling)
     try:
         return slug_total(bed, acceleration, frequency, settle, average, window)
@@ -91,28 +115,31 @@ def slug_tier(
         raise too_many_events(bed) from error
 
 
-def closed(
+def layers_variant(
     scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
-) -> Total:  # fmt: skip
-    """The closed tier of a scene's stack at one acceleration; nothing where the bed does not slide by design.
+) -> ModelEnergy:  # fmt: skip
+    """Return the event-resolved energy (closed tier) of a scene's stack at one acceleration; zero
+    for beds that do not slide by design.
 
-    window : the first cycle, and the one after the last, of which a mean is wanted too
+    window : (first cycle, one past the last) of an additional mean
 
-    Raises InputError where a row cannot be followed.
+    Raises InputError if a row cannot be followed.
     """
     if scene.bed != "layers":
         return NOTHING
     try:
-        return closed_tier(
+        return layers_total(
             bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles, window
         )
     except TooManyEvents as error:
         raise cannot_follow(bed, str(error)) from error
 
 
-def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
-    """W_T of the paper tier, J per cycle: eq 5 with one slip per layer, plus the first chain wave at both walls."""
+def as_printed_variant(scene: Scene, rig: Rig, velocity: float) -> float:
+    """Return W_T of the model as printed (paper tier), J per cycle: eq 5 with one slip per layer,
+    plus the first chain wave at both walls.
+    """
     layers = layer_count(scene)
     density = scene.grains.density
     if scene.bed != "layers" or layers == 0 or density is None:
@@ -131,50 +158,58 @@ def paper_tier(scene: Scene, rig: Rig, velocity: float) -> float:
     )
     layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
     count = grains_in_row(cavity.length, grains.diameter)
-    return friction + paper_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
+    return friction + as_printed_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
 
 
 def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
-    """Both tiers of W_T and the bound for one condition on an exact sine at the set acceleration."""
+    """Return both variants of W_T and the bound for one condition on an exact sine at the set
+    acceleration.
+    """
     scene, drive = condition.scene, condition.drive
     if scene.bed == "slug":
-        found = slug_tier(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
+        found = slug_variant(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
         return _slug_prediction(condition, rig, found)
     bed = stack(scene, rig, nominal(scene, rig))
-    return _prediction(condition, rig, bed, closed(scene, bed, drive.acceleration, drive.frequency, cycles))
+    return _prediction(condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles))
 
 
 def predict_about(
     condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES
 ) -> tuple[Prediction, dict[str, list[float]]]:
-    """As `predict`, with W_T, W_f and W_c (J) at levels about the set acceleration (m/s^2) beside it.
+    """Return the result of `predict`, and W_T, W_f and W_c (J) at levels about the set acceleration
+    (m/s^2).
 
-    The table is how W_T is read at the measured acceleration: plain numbers that another model's may replace.
+    The table is interpolated at the measured acceleration: plain numbers that another model's
+    numbers can replace.
     """
     scene, drive = condition.scene, condition.drive
     if scene.bed == "slug":
         return _slug_about(condition, rig)
     bed = stack(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
-    totals = [closed(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
+    totals = [layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
     point = _prediction(condition, rig, bed, totals[LEVELS.index(1.0)])
     return _with_uncertainty(point, levels, totals), _table(levels, totals)
 
 
 def _window(condition: Condition) -> tuple[int, int]:
-    """The cycles of a condition's record that count: the first, and the one after the last."""
+    """Return the recorded cycles of a condition: (first, one past the last)."""
     acquire = condition.acquire
     return acquire.settle, acquire.settle + acquire.record
 
 
-def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[Total]) -> Prediction:
-    """A prediction with u_levels and u_settling as found at levels (m/s^2) about the set one.
+def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[ModelEnergy]) -> Prediction:
+    """Return a prediction with u_levels and u_settling from levels (m/s^2) about the set one.
 
-    A single level tells little of the settling, because its few rows may settle at once: the root mean square over all.
+    u_settling is the root mean square over all levels, because at a single one the few rows may
+    settle at once.
     """
     if point.W_T <= 0.0:
         return point
-    apart = [total.window / total.total - 1.0 for total in totals if total.window is not None and total.total > 0.0]
+    apart = []
+    for total in totals:
+        if total.window is not None and total.total > 0.0:
+            apart.append(total.window / total.total - 1.0)
     return replace(
         point,
         u_levels=READ * misread(levels, [total.total for total in totals]) / point.W_T,
@@ -183,8 +218,11 @@ def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequen
 
 
 def misread(levels: Sequence[float], W: Sequence[float]) -> float:
-    """Largest error, J, of reading W at one of the inner levels off its neighbours, as `analysis.session.prediction`
-    reads it: a power law between them, a straight line where W is 0 at one."""
+    """Return the largest error, J, of W at the inner levels when interpolated from its neighbours
+    as `analysis.session.prediction` does.
+
+    A power law between them, a straight line if W is 0 at one.
+    """
     errors = [0.0]
     for n in range(1, len(levels) - 1):
         (a0, a, a1), (W0, found, W1) = levels[n - 1 : n + 2], W[n - 1 : n + 2]
@@ -196,7 +234,7 @@ def misread(levels: Sequence[float], W: Sequence[float]) -> float:
     return max(errors)
 
 
-def _table(levels: list[float], totals: list[Total]) -> dict[str, list[float]]:
+def _table(levels: list[float], totals: list[ModelEnergy]) -> dict[str, list[float]]:
     return {
         "acceleration": levels,
         "W_T": [total.total for total in totals],
@@ -206,12 +244,15 @@ def _table(levels: list[float], totals: list[Total]) -> dict[str, list[float]]:
 
 
 def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
-    """A slug's prediction and table. Where its orbit jumps between levels, W_T at the measured level is uncertain by
-    what reading each level off its neighbours gets wrong: half of a jump at the jump."""
+    """Return the prediction and table of a single mass.
+
+    Where its orbit jumps between levels, the uncertainty of W_T at the measured level is the error
+    of interpolating each level from its neighbours: half of a jump at the jump.
+    """
     drive, filling, window = condition.drive, nominal(condition.scene, rig), _window(condition)
 
     def tier(level: float, cycles: tuple[int, int]) -> SlugTotal:
-        return slug_tier(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
+        return slug_variant(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
 
     levels = [drive.acceleration * level for level in SLUG_LEVELS]
     set_level = len(levels) // 2
@@ -241,7 +282,7 @@ def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal) -> Predic
     )
 
 
-def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Prediction:
+def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) -> Prediction:
     scene, drive = condition.scene, condition.drive
     velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
     has_grains = scene.bed in ("layers", "locked")
@@ -254,7 +295,7 @@ def _prediction(condition: Condition, rig: Rig, bed: Stack, total: Total) -> Pre
         W_f=total.friction,
         W_c=total.collision,
         W_T=total.total,
-        W_T_paper=paper_tier(scene, rig, velocity),
+        W_T_paper=as_printed_variant(scene, rig, velocity),
         bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
         period=total.period,
         periodic_share=total.periodic_share,

@@ -1,7 +1,9 @@
-"""How far the model's own unmeasured parameters leave W_T open: Monte Carlo over friction, restitution and play.
+"""Uncertainty of W_T due to the model's unmeasured parameters: Monte Carlo over friction,
+restitution and play.
 
-None of them was measured for these grains: the ranges are stated here, rectangular and independent of each other (GUM
-Supplement 1). They matter where something else than this model made the record; a simulated bed `layers` shares them.
+None of them was measured for these grains: the ranges are stated here, rectangular and independent
+of each other (GUM Supplement 1). They matter if the record does not come from this model; a
+simulated bed `layers` shares the parameters.
 """
 
 from collections.abc import Mapping
@@ -19,12 +21,12 @@ from rig.protocol.spec import Condition
 
 DRAWS = 100
 SEED = 1
-"""One seed for all conditions: a draw is one possible truth, the same in all of them."""
+"""One seed for all conditions: a draw is one possible truth, common to all of them."""
 
 
 @dataclass(frozen=True)
 class Stated:
-    """A parameter's range with its reason, all of it assumed."""
+    """The assumed range of a parameter, with its reason."""
 
     low: float
     high: float
@@ -42,8 +44,9 @@ STATED: Mapping[str, Stated] = {
 
 
 def model_ratios(condition: Condition, rig: Rig, draws: int = DRAWS) -> tuple[float, ...] | None:
-    """W_T over the nominal W_T at the set level, one for each draw of `STATED`; None where W_T is 0 or a draw cannot be
-    followed."""
+    """Return W_T divided by the nominal W_T at the set level for each draw of `STATED`; None if W_T
+    is 0 or a draw cannot be followed.
+    """
     scene, drive = condition.scene, condition.drive
     point = total_of(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency).total
     if not point > 0.0:
@@ -62,7 +65,8 @@ def model_ratios(condition: Condition, rig: Rig, draws: int = DRAWS) -> tuple[fl
 
 
 def drawn(draws: int) -> list[dict[str, float]]:
-    """The parameters of each draw, by name."""
+    """Return the parameters of each draw, by name."""
     u = stream(SEED, "model").random((draws, len(STATED)))
-    low, high = (np.array([getattr(stated, end) for stated in STATED.values()]) for end in ("low", "high"))
+    low = np.array([stated.low for stated in STATED.values()])
+    high = np.array([stated.high for stated in STATED.values()])
     return [dict(zip(STATED, row.tolist(), strict=True)) for row in low + (high - low) * u]

@@ -1,12 +1,13 @@
-"""What beds poured anew take beside the nominal bed, which W_T is of: one is not the mean of the others.
+"""Distribution of the energy of refilled beds about that of the nominal bed (W_T), which is not
+their mean.
 
-The nominal bed has the mean play, and W is no straight line over it: at 90 % fill and 5 m/s^2 of
-protocol fill_rate poured beds take 3 % less in the mean, and a few of them much less (a skew of
--1.5).
+The nominal bed has the mean play, but W is not linear in the play: at 90 % fill and 5 m/s^2 of
+protocol fill_rate, refilled beds dissipate 3 % less on average, and a few of them much less
+(skewness -1.5).
 
-Rows are independent of each other, and thresholds do not know the packing: so each layer's energy
-is computed once over the plays that pouring may give a row, and a poured bed is a sum over its
-rows.
+Rows are independent of each other, and thresholds do not depend on the packing. Therefore each
+layer's energy is computed once over the possible plays of a row, and a refilled bed is a sum over
+its rows.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from daq.random_streams import stream
 from rig.beds.janssen_stack import Filling, layer_count, mobile_share, stack
 from rig.catalog.entries import Rig
 from rig.errors import InputError
-from rig.prediction.model import SLUG_AVERAGE, slug_tier
+from rig.prediction.model import SLUG_AVERAGE, slug_variant
 from rig.protocol.spec import Condition
 from rig.theory.friction import slip_distance
 from rig.theory.total import TooManyEvents, layer_energies
@@ -25,26 +26,30 @@ from rig.theory.total import TooManyEvents, layer_energies
 Array = NDArray[np.float64]
 
 COUNT = 256
-"""Beds poured; packing and play are drawn once from each of as many equally likely ranges, so that
-their means are much better than those of as many free draws."""
+"""Number of refilled beds. Packing and play are drawn once from each of as many equally likely
+ranges (stratified), so that their means are much more accurate than those of as many free draws.
+"""
 
 ROWS, FEWEST = 1024, 10
-"""Rows whose energy is computed, over all layers, and plays of a layer at least. Between plays the
-nearest counts: they lie elsewhere in each layer, so that what this is off by averages out."""
+"""Rows whose energy is computed, over all layers, and least number of plays of a layer. Each row
+takes the nearest play: the grid is shifted in each layer, so that the errors average out.
+"""
 
 CYCLES = 16
-"""Averaged where a row has no period, after 64: a bed is a sum of many rows."""
+"""Cycles averaged for a row without a period, after 64: a bed is a sum of many rows."""
 
 WIDEST = 4.0
-"""Standard deviations of the play within which a layer's energy is known."""
+"""Standard deviations of the play within which a layer's energy is computed."""
 
 SEED = 1
 
 
 def refill_ratios(condition: Condition, rig: Rig, W_T: float) -> tuple[float, ...]:
-    """Return the energies of poured beds at the set level over W_T (J), that of the nominal one;
-    nothing where that is 0, for beds of which pouring changes nothing, and where a bed cannot be
-    followed."""
+    """Return the energies of refilled beds at the set level, divided by W_T (J), that of the
+    nominal one.
+
+    Empty if W_T is 0, for beds that a refill does not change, and if a bed cannot be followed.
+    """
     scene = condition.scene
     if not W_T > 0.0:
         return ()
@@ -72,7 +77,8 @@ def _layers(condition: Condition, rig: Rig) -> Array:
     each = layer_energies(
         bed.threshold, free, bed.row_mass, bed.restitution, drive.acceleration, drive.frequency, CYCLES
     )
-    # positions of the rows in their strata, then plays, then places in the layer's grid, all in one array
+    # Positions of the rows in their strata, then plays, then places in the layer's grid: one array
+    # in single precision, because there are millions of them.
     place = rng.random((COUNT, mobile, settings.rows), np.float32)
     place += np.arange(settings.rows, dtype=np.float32)
     place *= 2.0 * settings.spread / settings.rows
@@ -84,6 +90,7 @@ def _layers(condition: Condition, rig: Rig) -> Array:
     index = place.astype(np.intp)
     index += count * np.arange(mobile)[:, None]
     of_layers = each.ravel().take(index).sum(axis=2)
+    # Denser beds have fewer layers with room to flow, and more mass.
     share = [mobile_share(scene.grains.fill, rig.packing_shaken * p, rig.packing_loose) for p in packing]
     top = np.cumsum(np.pad(of_layers, ((0, 0), (1, 0))), axis=1)
     moving = np.rint(np.array(share) * layers).astype(int)
@@ -94,10 +101,10 @@ def _slugs(condition: Condition, rig: Rig) -> Array:
     scene, drive = condition.scene, condition.drive
     packed, _ = _deviates(stream(SEED, "refills"))
     beds = (Filling(rig.packing_shaken * (1.0 + rig.refill_packing * float(z)), 1.0) for z in packed)
-    found = (slug_tier(scene, rig, bed, drive.acceleration, drive.frequency, *SLUG_AVERAGE) for bed in beds)
+    found = (slug_variant(scene, rig, bed, drive.acceleration, drive.frequency, *SLUG_AVERAGE) for bed in beds)
     return np.array([one.total.total for one in found])
 
 
 def _deviates(rng: np.random.Generator) -> Array:
-    """Normal deviates of packing and play, one for each bed, shape (2, COUNT)."""
+    """Return normal deviates of packing and play, one for each bed, shape (2, COUNT)."""
     return np.array([ndtri((rng.permutation(COUNT) + rng.random(COUNT)) / COUNT) for _ in range(2)])

@@ -1,1 +1,1 @@
-"""What stands in the laboratory: the box in prescribed motion or on a shaker, its ledger, its channels."""
+"""The test stand: the box in prescribed motion or on a shaker, its energy ledger, its channels."""

@@ -1,4 +1,6 @@
-"""Input ranges that the look ahead chooses: one per channel, for all conditions, as a session has one channel table."""
+"""Input ranges chosen by a dry run: one per channel for all conditions, because a session has one
+channel table.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple
@@ -13,16 +15,19 @@ from rig.stand.channels import AUTO, Instruments, ranged
 from rig.stand.prescribed import Stand
 
 AHEAD = 16
-"""Cycles looked at."""
+"""Cycles of the dry run."""
 
 
 def auto_ranged(
     tools: Instruments, conditions: Sequence[Condition], rig: Rig, rates: Mapping[str, float]
 ) -> Instruments:
-    """The instruments with the ranges that are left to the look ahead (`acquire.ranges: auto`) chosen.
+    """Return the instruments with their automatic ranges (`acquire.ranges: auto`) chosen by a dry
+    run.
 
-    rates: output rate in Hz by condition. Each condition is simulated for some cycles with its nominal bed, as set;
-    the largest peak of all of them counts.
+    rates : output rate in Hz by condition
+
+    Each condition is simulated for `AHEAD` cycles with its nominal bed, as set; the largest peak
+    over all conditions counts.
     """
     asked = conditions[0].acquire.ranges
     if AUTO not in astuple(asked):

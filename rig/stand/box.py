@@ -6,7 +6,9 @@ from rig.protocol.spec import Cavity, Scene
 
 
 def box_mass(cavity: Cavity, wall_density: float) -> float:
-    """Mass of the closed box, kg: the wall lies outside the cavity on all six sides (rigid)."""
+    """Return the mass of the closed box, kg: the wall lies outside the cavity on all six sides
+    (rigid).
+    """
     inner = cavity.length * cavity.width * cavity.height
     thick = 2.0 * cavity.wall
     outer = (cavity.length + thick) * (cavity.width + thick) * (cavity.height + thick)
@@ -14,8 +16,12 @@ def box_mass(cavity: Cavity, wall_density: float) -> float:
 
 
 def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
-    """The loss channels that the scene switches on, with the rig's coefficients; `mass` (kg) is what the mount carries:
-    box, gauge side and bed. A box that nothing carries loses nothing to its mount. `gas` : of this filling, N s/m."""
+    """Return the loss channels that the scene switches on, with the rig's coefficients.
+
+    mass : carried by the mount: box, gauge side and bed, kg. Without a support the mount loses
+        nothing
+    gas : viscous equivalent of the gas drag in this filling, N s/m
+    """
     mount = scene.support if "mount" in scene.losses else "none"
     return Losses(
         noise=rig.loss_noise if "noise" in scene.losses else 0.0,

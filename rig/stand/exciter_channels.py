@@ -1,4 +1,6 @@
-"""Coil current and drive voltage beside force and acceleration, servo drive: the exciter solved backwards."""
+"""Coil current and drive voltage in addition to force and acceleration, for prescribed motion: the
+exciter solved backwards.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +13,12 @@ Array = NDArray[np.float64]
 
 
 class WithExciter:
-    """A physical source: force, acceleration, coil current (A) and drive voltage (V) of a stand in servo drive.
+    """A physical source: force, acceleration, coil current (A) and drive voltage (V) of a stand in
+    prescribed motion.
 
-    Each chunk of whole cycles is solved harmonic by harmonic as if it repeated, up to `solvable_band`: what an ideal
-    waveform controller would have to give. Impacts beyond that band are in the force and not in the current.
+    Each chunk of whole cycles is solved harmonic by harmonic as if it were periodic, up to
+    `solvable_band`: the output that an ideal waveform controller would need. Impacts beyond that
+    band appear in the force but not in the current.
     """
 
     def __init__(self, stand: Stand, exciter: Exciter) -> None:
@@ -24,7 +28,7 @@ class WithExciter:
         self._waiting = np.zeros((len(self.names), 0))
 
     def read(self, n: int) -> Array:
-        """Next n interval means, shape (4, n)."""
+        """Return the next n interval means, shape (4, n)."""
         ready, size = [self._waiting], self._waiting.shape[1]
         while size < n:
             ready.append(self._advance())
@@ -39,6 +43,7 @@ class WithExciter:
         jw = 2j * np.pi * np.fft.rfftfreq(n, 1.0 / self.rate)
         inside = slice(1, 1 + np.count_nonzero(np.abs(jw[1:]) <= 2.0 * np.pi * solvable_band(self._exciter)))
         pull, motion = (np.fft.rfft(row)[inside] for row in chunk)
+        # Displacement from acceleration: x = a/(jw)^2.
         asked = need(self._exciter, pull, motion / jw[inside] ** 2, jw[inside])
         out = np.empty((4, n))
         out[:2] = chunk

@@ -1,4 +1,6 @@
-"""Force peaks of a bed with all its rows: few rows per layer hit together, which a box with more never feels."""
+"""Peak force with the full number of rows. A reduced model makes its few rows strike simultaneously
+and so overestimates the peak.
+"""
 
 from dataclasses import replace
 
@@ -8,29 +10,31 @@ from rig.drive.exciter_limits import Demand, demand
 from rig.stand.prescribed import Stand
 
 PASS_BAND = 0.45
-"""Recorded band over the output rate: the anti-alias filter's pass band."""
+"""Recorded band as a fraction of the output rate: the pass band of the anti-alias filter."""
 
 AHEAD = 8
-"""Chunks of cycles simulated: the last one stands for the steady state."""
+"""Number of chunks simulated; the last one represents the steady state."""
 
 
 def beyond(use: Demand) -> bool:
-    """Whether a peak exceeds what exciter or stinger can bear."""
+    """Return whether a peak exceeds the limit of exciter or stinger."""
     return max(use.peak, use.buckling) > 1.0
 
 
 def steady(stand: Stand) -> Stand:
-    """A stand taken through some cycles more."""
+    """Return a stand after `AHEAD` more chunks of cycles."""
     for _ in range(AHEAD):
         stand.advance()
     return stand
 
 
 def use_of(rig: Rig, stand: Stand) -> Demand:
-    """What the latest cycles of a stand, sampled at the oversampled rate, ask of the exciter in the recorded band."""
+    """Return the utilisation of the exciter in the recorded band by the latest cycles of a stand at
+    the oversampled rate.
+    """
     return demand(rig.exciter, stand.latest_force, stand.rate, stand.motion, PASS_BAND * stand.rate / OVERSAMPLING)
 
 
 def with_peaks_of(use: Demand, other: Demand) -> Demand:
-    """A use of the exciter with the peaks of another one; what is rated on the fundamental stays."""
+    """Return a utilisation with the peaks of another; the ratings on the fundamental stay."""
     return replace(use, peak=other.peak, buckling=other.buckling)

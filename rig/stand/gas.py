@@ -1,9 +1,11 @@
-"""Drag of the air inside the bed: Ergun's law on the slip of the rows, a perturbation that leaves their motion alone.
+"""Drag of the air inside the bed: Ergun's law on the slip of the rows, as a perturbation that does
+not affect their motion.
 
-The air moves with the closed box, so a row that slips at speed U pulls its volume through standing air:
-dp/L = 150 mu (1 - eps)^2 U/(eps^3 d^2) + 1.75 rho (1 - eps) U^2/(eps^3 d), eps the void fraction (Ergun 1952).
-The power dp/L U over time and volume is the energy taken. At the gauge it appears as the viscous force that takes the
-same energy from the box: its size is right, its place within the cycle is not.
+The air moves with the closed box, so a row that slips at speed U drags its volume through still
+air: dp/L = 150 mu (1 - eps)^2 U/(eps^3 d^2) + 1.75 rho (1 - eps) U^2/(eps^3 d), eps the void
+fraction (Ergun 1952). The dissipated energy is the power dp/L U integrated over time and volume. At
+the gauge it appears as the viscous force that takes the same energy from the box: its magnitude is
+right, its phase within the cycle is not.
 """
 
 from functools import lru_cache
@@ -14,17 +16,19 @@ from rig.beds.janssen_stack import Filling, Stack, nominal, stack
 from rig.catalog.entries import Rig
 from rig.drive.losses import AIR_DENSITY, AIR_VISCOSITY
 from rig.drive.waveform import Waveform, viscous_energy
-from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.slip_moments import slip_moments
 from rig.kernels.waveform import crossings, extrema
 from rig.protocol.spec import Scene
 
 LEAST_SHARE = 0.01
-"""Gas drag below this share of the bed's weight, at the fastest slip, is left out."""
+"""Gas drag below this fraction of the bed's weight, at the fastest slip, is neglected."""
 
 
 def ergun(diameter: float, packing: float) -> tuple[float, float]:
-    """Coefficients of U and U^2 in the pressure gradient through a bed at rest, Pa s/m^2 and Pa s^2/m^3."""
+    """Return the coefficients of U and U^2 in the pressure gradient through a bed at rest, Pa s/m^2
+    and Pa s^2/m^3.
+    """
     void = 1.0 - packing
     viscous = 150.0 * AIR_VISCOSITY * packing**2 / (void**3 * diameter**2)
     inertial = 1.75 * AIR_DENSITY * packing / (void**3 * diameter)
@@ -33,7 +37,9 @@ def ergun(diameter: float, packing: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=1024)
 def share_of_weight(scene: Scene, rig: Rig, acceleration: float, frequency: float) -> float:
-    """Largest gas drag over the weight, per volume of the bed: nominal filling, exact sine; 0 without slip."""
+    """Return the ratio of the largest gas drag to the weight, per volume of the bed: nominal
+    filling, exact sine; 0 without slip.
+    """
     density = scene.grains.density
     if scene.bed != "layers" or density is None:
         return 0.0
@@ -45,7 +51,9 @@ def share_of_weight(scene: Scene, rig: Rig, acceleration: float, frequency: floa
 
 
 def gas_energy(scene: Scene, rig: Rig, filling: Filling, motion: Waveform) -> float:
-    """Energy that the air in the voids takes from one filling per cycle of a motion, J."""
+    """Return the energy that the air in the voids takes from one filling per cycle of a
+    motion, J.
+    """
     density = scene.grains.density
     if scene.bed != "layers" or density is None:
         return 0.0
@@ -58,14 +66,18 @@ def gas_energy(scene: Scene, rig: Rig, filling: Filling, motion: Waveform) -> fl
 
 
 def gas_damping(scene: Scene, rig: Rig, filling: Filling, motion: Waveform) -> float:
-    """Viscous coefficient at the gauge that takes the gas's energy, N s/m; 0 below `LEAST_SHARE` of the weight."""
+    """Return the viscous coefficient at the gauge that takes the same energy, N s/m; 0 below
+    `LEAST_SHARE` of the weight.
+    """
     if share_of_weight(scene, rig, motion.acceleration, motion.frequency) <= LEAST_SHARE:
         return 0.0
     return gas_energy(scene, rig, filling, motion) / viscous_energy(1.0, motion)
 
 
 def _moments(bed: Stack, motion: Waveform) -> tuple[float, float, float]:
-    """Slip moments of the rows that the motion makes slide (rig.kernels.rows.slip_moments)."""
+    """Return the slip moments of the sliding rows (rig.kernels.rows.slip_moments), in units of the
+    motion.
+    """
     P, Q = motion.coefficients
     band = bed.threshold / motion.acceleration
     found = crossings(band, P, Q, extrema(P, Q))
@@ -73,5 +85,5 @@ def _moments(bed: Stack, motion: Waveform) -> tuple[float, float, float]:
     play = bed.play[flowing] / motion.length_unit
     if play.size == 0:
         return 0.0, 0.0, 0.0
-    rows = Rows(np.repeat(flowing, play.shape[1]), play.ravel(), bed.restitution, band, found.tables)
+    rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), bed.restitution, band, found.tables)
     return slip_moments(rows, P, Q)

@@ -1,4 +1,4 @@
-"""The stand: scene, bed, drive and losses become force and acceleration at the transducers, chunk by chunk."""
+"""The stand in prescribed motion: force and acceleration at the transducers, chunk by chunk."""
 
 import math
 from dataclasses import dataclass, field
@@ -20,12 +20,16 @@ from rig.stand.ledger import COLUMNS, account
 Array = NDArray[np.float64]
 
 CHUNK_CYCLES = 2
-"""Cycles simulated at a time: few enough that the sums over their sampling edges stay in the second-level cache."""
+"""Cycles per chunk: few enough that the sums over their sampling edges stay in the second-level
+cache.
+"""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some whole cycles of the stand: force and acceleration, shape (2, intervals), and rows of the ledger."""
+    """Whole cycles of the stand: force and acceleration, shape (2, intervals), and rows of the
+    ledger.
+    """
 
     means: Array
     ledger: Array
@@ -33,16 +37,18 @@ class Chunk:
 
 @dataclass
 class Replay:
-    """The chunks of a stand that repeats itself: the first period of them, then handed out again in turn."""
+    """Chunks of a periodic stand: the first period is stored and then returned in turn."""
 
     _wanted: int = 0
     _kept: list[Chunk] = field(default_factory=list)
     _turn: int = 0
 
     def note(self, chunk: Chunk, repeats: int) -> None:
-        """Look at a simulated chunk; `repeats` is the period in cycles of everything from it on, 0 for none.
+        """Register a simulated chunk; `repeats` is the period in cycles of everything from it on, 0
+        for none.
 
-        The first such chunk is not kept: it begins with the step from the momentum before the repetition.
+        The first periodic chunk is not stored: it begins with the step from the momentum before the
+        periodic part.
         """
         if self._wanted:
             self._kept.append(chunk)
@@ -50,7 +56,7 @@ class Replay:
             self._wanted = math.lcm(repeats, CHUNK_CYCLES) // CHUNK_CYCLES
 
     def next(self) -> Chunk | None:
-        """The next chunk, None while it has to be simulated."""
+        """Return the next chunk, None while it has to be simulated."""
         if not self._wanted or len(self._kept) < self._wanted:
             return None
         chunk = self._kept[self._turn % self._wanted]
@@ -60,7 +66,9 @@ class Replay:
 
 @dataclass(frozen=True)
 class BoxMeans:
-    """The box alone over the intervals that end at some edges: mean acceleration, and mean force without the bed."""
+    """Means of the box alone over the intervals that end at some edges: acceleration, and force
+    without the bed.
+    """
 
     edges: Edges
     acceleration: Array
@@ -68,11 +76,13 @@ class BoxMeans:
 
 
 class Stand:
-    """A `PhysicalSource`: force at the gauge (N) and acceleration of the box (m/s^2), means over the same intervals.
+    """A `PhysicalSource`: force at the gauge (N) and acceleration of the box (m/s^2), means over
+    the same intervals.
 
-    F_gauge = (M_box + m_gauge) a - F_bed - F_losses, forces on the box positive along the drive axis. On a vertical
-    axis the gauge also carries the weight of what moves, unless cords do: a mean force, which does no net work over a
-    cycle. The stream starts with the motion and is endless; memory does not grow with it.
+    F_gauge = (M_box + m_gauge) a - F_bed - F_losses; forces on the box are positive along the drive
+    axis. On a vertical axis the gauge also carries the weight of the moving parts, unless cords do:
+    a mean force, which does no net work over a cycle. The stream starts with the motion and is
+    endless, in constant memory.
     """
 
     names = ("force", "acceleration")
@@ -101,7 +111,7 @@ class Stand:
 
     @property
     def bed_mass(self) -> float:
-        """Mass of this filling's grains, kg."""
+        """Mass of the grains in this filling, kg."""
         return self._bed.mass
 
     @property
@@ -110,7 +120,7 @@ class Stand:
         return self._latest
 
     def read(self, n: int) -> Array:
-        """Next n interval means, shape (2, n)."""
+        """Return the next n interval means, shape (2, n)."""
         ready = [self._waiting]
         size = self._waiting.shape[1]
         while size < n:
@@ -121,15 +131,18 @@ class Stand:
         return joined[:, :n]
 
     def drain_ledger(self) -> Array:
-        """Ledger rows of the cycles simulated since the last call, shape (cycles, len(ledger.COLUMNS))."""
+        """Return the ledger rows of the cycles simulated since the last call, shape (cycles,
+        len(ledger.COLUMNS)).
+        """
         rows = np.concatenate([np.zeros((0, len(COLUMNS))), *self._rows])
         self._rows = []
         return rows
 
     def advance(self) -> Array:
-        """The interval means of the next chunk of whole cycles, shape (2, intervals); one less at the very start.
+        """Return the interval means of the next chunk of whole cycles, shape (2, intervals); one
+        less at the very start.
 
-        Where nothing changes any more from one period to the next, earlier chunks come again, to the last bit.
+        In a periodic state earlier chunks are returned again, bit for bit.
         """
         chunk = self._replay.next() or self._simulated()
         at_start = self._cycles == 0
@@ -146,6 +159,8 @@ class Stand:
         self._kinetic = float(reaction.kinetic[-1])
         means = np.empty((2, reaction.momentum.size))
         force, momentum = means[0], reaction.momentum
+        # Force of the bed as the difference of its momentum: an impact counts in full, whatever its
+        # duration.
         force[0] = momentum[0] - self._last_momentum
         np.subtract(momentum[1:], momentum[:-1], out=force[1:])
         force *= self.rate
@@ -157,6 +172,7 @@ class Stand:
         return chunk
 
     def _box_means(self, edges: Edges) -> BoxMeans:
+        """Return the means of the box alone, computed once if the edges repeat."""
         if self._box is None or self._box.edges is not edges:
             acceleration = np.diff(edges.velocity) * self.rate
             lost = mean_force(self._losses, edges.position, edges.velocity, 1.0 / self.rate)

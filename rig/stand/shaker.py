@@ -1,4 +1,6 @@
-"""The stand in coupled drive: amplifier, exciter, box and bed move each other; force and acceleration come out."""
+"""The stand in shaker-coupled drive: amplifier, exciter, box and bed interact; outputs are force
+and acceleration.
+"""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -23,27 +25,35 @@ from rig.stand.ledger import COUPLED_COLUMNS, SPENT
 Array = NDArray[np.float64]
 
 SIGNALS = ("force", "acceleration", "voltage", "current")
-"""What a stand can give: gauge force (N), acceleration of the box (m/s^2), amplifier voltage (V), coil current (A)."""
+"""Available signals: gauge force (N), box acceleration (m/s^2), amplifier voltage (V), coil current
+(A).
+"""
 
 LEAST_INTERVALS = 4000
-"""Intervals per cycle at least; coarser sampling is subdivided."""
+"""Least number of intervals per cycle; coarser sampling is subdivided."""
 
 LARGEST_ANGLE = 0.25
-"""Phase in rad that the mode of box and armature on the stinger makes in an interval, at most: what the quadrature of
-its energy leaves grows with the fourth power. Steps are not shortened by it."""
+"""Largest phase, rad, of the mode of box and armature on the stinger per interval.
+
+The quadrature error of its energy grows with the fourth power of it. Steps are not shortened by it.
+"""
 
 STEPS = 512
 LONGEST_STEP = 1e-4
 """Steps per cycle, and the longest one, s."""
 
 Driver = Callable[[Array | None], Command]
-"""Gives the next command from the signals of the latest one, shape (channels, intervals); None at the start."""
+"""Returns the next command from the signals of the latest one, shape (channels, intervals); None at
+the start.
+"""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Largest shares of the exciter's limits used in one cycle (1 = at the limit), and the share of it in which the
-    amplifier did not follow its command."""
+    """Utilisation of the exciter's limits in one cycle (1 = at the limit).
+
+    clipped : fraction of the cycle in which the amplifier did not follow its command
+    """
 
     voltage: float
     current: float
@@ -54,10 +64,11 @@ class Limits:
 
 
 class CoupledStand:
-    """A `PhysicalSource`: interval means of force and acceleration of a box that exciter and bed move.
+    """A `PhysicalSource`: interval means of force and acceleration of a box that is moved by
+    exciter and bed.
 
-    `names` picks from SIGNALS. Commands are given one by one to `advance`, or come from a `driver` when the stand is
-    read. Everything is at rest at the start. Memory does not grow.
+    `names` selects from SIGNALS. Commands are passed one by one to `advance`, or come from a
+    `driver` when the stand is read. Everything is at rest at the start. Memory is constant.
     """
 
     def __init__(
@@ -85,12 +96,14 @@ class CoupledStand:
         self._y = np.zeros(kernel.STATES)
         rows = self.bed.band.size
         self._w, self._u = np.full(rows, self.bed.velocity), np.full(rows, self.bed.start)
+        # A row at rest at the wall leans on it: the wall may push it without limit.
         leans = (self._u == 0.0) & (self._w == 0.0)
         self._lo, self._hi = -self.bed.band, np.where(leans, np.inf, self.bed.band)
         self._machine = kernel.Machine(
             **asdict(self.plant), voltage_peak=rig.exciter.voltage_peak, current_peak=rig.exciter.current_peak,
             is_current=self._by_current, interval=0.0,
         )  # fmt: skip
+        # The weight of the rows along the axis is held by the support of the box.
         resting = -self.bed.row_mass * rows * self.bed.pull
         self._around = Pull(
             self.bed.row_mass, self.bed.restitution, self.bed.pull, self.plant.box, self.losses.air, self.losses.guide,
@@ -108,18 +121,22 @@ class CoupledStand:
 
     @property
     def bed_mass(self) -> float:
-        """Mass of this filling's grains, kg."""
+        """Mass of the grains in this filling, kg."""
         return self.bed.mass
 
     @property
     def state(self) -> Array:
-        """Positions (m) and velocities (m/s) of armature, body and box in turn, and the current (A)."""
+        """Positions (m) and velocities (m/s) of armature, body and box in turn, and the current
+        (A).
+        """
         return self._y.copy()
 
     def begin(self, command: Command) -> None:
-        """Start as if the command's last phasors had gone on for ever, and the rows had ridden along (not at rest).
+        """Start in the steady state of the command's final phasors, with the rows riding along (not
+        at rest).
 
-        Saves the wait for the exciter's slow modes. Raises ValueError on a stand that has moved.
+        This saves the settling of the exciter's slow modes. Raises ValueError on a stand that has
+        moved.
         """
         if self._done:
             raise ValueError("the stand has moved already")
@@ -131,11 +148,11 @@ class CoupledStand:
 
     @property
     def bed_momentum(self) -> float:
-        """Momentum of the rows, N s; what is bonded to the box goes with the box."""
+        """Momentum of the rows, N s; mass bonded to the box counts as box."""
         return float(self.bed.row_mass * self._w.sum())
 
     def read(self, n: int) -> Array:
-        """Next n interval means, shape (channels, n); commands come from the driver."""
+        """Return the next n interval means, shape (channels, n); commands come from the driver."""
         if self._driver is None:
             raise ValueError("a stand without a driver has no next command")
         ready = [self._waiting]
@@ -149,13 +166,17 @@ class CoupledStand:
         return joined[:, :n]
 
     def drain_ledger(self) -> Array:
-        """Ledger rows of the cycles simulated since the last call, shape (cycles, len(ledger.COUPLED_COLUMNS))."""
+        """Return the ledger rows of the cycles simulated since the last call, shape (cycles,
+        len(ledger.COUPLED_COLUMNS)).
+        """
         rows = np.concatenate([np.zeros((0, len(COUPLED_COLUMNS))), *self._rows])
         self._rows = []
         return rows
 
     def advance(self, command: Command) -> Array:
-        """The interval means of one command, shape (channels, intervals); cycle n owns the edges in (n, n + 1]."""
+        """Return the interval means of one command, shape (channels, intervals); cycle n owns the
+        edges in (n, n + 1].
+        """
         ends = [
             int(np.floor((self._start + command.time_of(n + 1.0)) * self.rate + 1e-6)) for n in range(command.cycles)
         ]
@@ -166,7 +187,7 @@ class CoupledStand:
         return np.concatenate(out, axis=1)
 
     def _cycle(self, command: Command, first: int, last: int) -> Array:
-        """Signals from one edge to another."""
+        """Return the signals between two edges."""
         fastest = max(command.frequency, command.last_frequency)
         parts = self._refine * int(np.ceil(max(LEAST_INTERVALS * fastest, self._ringing / LARGEST_ANGLE) / self.rate))
         fine = self.rate * parts
@@ -184,6 +205,7 @@ class CoupledStand:
             self._y, self._w, self._u, self._lo, self._hi, self.bed.band, self.bed.play,
         )  # fmt: skip
         clipped = float(np.mean((signals[:-1, kernel.LIMITED] > 0.0) | (asked[1:] != told[1:])))
+        # Half of an impact at the last edge belongs to the first interval of the next cycle.
         signals[0, kernel.SPEED] += self._beyond
         self._beyond = float(signals[-1, kernel.SPEED])
         signals = signals[:-1]
@@ -201,13 +223,16 @@ class CoupledStand:
         return np.array([named[name] for name in self.names])
 
     def _grid(self, parts: int, steps: int, interval: float) -> Propagator:
+        """Return the propagator of a grid, computed once for each."""
         key = (parts, steps)
         if key not in self._grids:
             self._grids[key] = propagator(self.plant, interval, steps)
         return self._grids[key]
 
     def _energies(self) -> tuple[float, float, float]:
-        """Energy of box, bed and exciter, J; that of the bed with the height of its rows in the box."""
+        """Return the energies of box, bed and exciter, J; that of the bed includes the height of
+        its rows in the box.
+        """
         p, y, bed = self.plant, self._y, self.bed
         square = 0.5 * y[V] ** 2
         box = (p.box - bed.bonded) * square
@@ -223,7 +248,7 @@ class CoupledStand:
         return float(box), float(rows + bed.bonded * square), float(exciter)
 
     def _account(self, sums: Array, period: float, before: tuple[float, ...], after: tuple[float, ...]) -> Array:
-        """One row of COUPLED_COLUMNS, from the kernel's sums over `period`, s."""
+        """Return one row of COUPLED_COLUMNS from the kernel's sums over `period` (s)."""
         box, bed, exciter = (b - a for a, b in zip(before, after, strict=True))
         dashpot, noise, gas, cords = self._viscous * sums[kernel.SQUARE]
         spent = {
@@ -243,6 +268,7 @@ class CoupledStand:
         ]])  # fmt: skip
 
     def _used(self, sums: Array, clipped: float) -> Limits:
+        """Return the utilisation of the limits from the kernel's largest values."""
         e = self._exciter
         force = max(sums[kernel.MOST_PULL], sums[kernel.MOST_PUSH])
         return Limits(

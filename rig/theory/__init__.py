@@ -1,1 +1,3 @@
-"""The paper's equations after the errata of docs/model.md: plain numbers in, plain numbers out."""
+"""The paper's equations with the errata of docs/model.md applied: plain numbers in, plain numbers
+out.
+"""

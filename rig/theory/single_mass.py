@@ -1,7 +1,9 @@
-"""The whole bed as one mass in a free gap: its energy per cycle, the bound on it, and the orbits known in closed form.
+"""The whole bed as a single mass in a free gap: energy per cycle, its upper bound, and closed-form
+orbits.
 
-The closed forms are in units of m (A/w)^2 (mass, peak acceleration A, angular frequency w), for an exact sine: `level`
-is A/g, `gap` and `eta` are in units of A/w^2 and A. They hold for the orbit that starts at rest on the floor.
+The closed forms are in units of m (A/w)^2 (mass m, peak acceleration A, angular frequency w), for
+an exact sine: `level` is A/g; `gap` and `eta` are in units of A/w^2 and A. They hold for the orbit
+that starts at rest on the floor.
 """
 
 import math
@@ -11,18 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from rig.kernels.single_mass.flight import LATE, LOW
-from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, Steady, steady
+from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, MeanCycle, steady
 from rig.kernels.single_mass.one_cycle import State, World, world
 from rig.kernels.waveform import Array
-from rig.theory.total import TooManyEvents, Total, plastic_bound
+from rig.theory.total import ModelEnergy, TooManyEvents, plastic_bound
 
 
 @dataclass(frozen=True)
-class Slug:
-    """One mass in a box, SI. Walls at `low` and `high` along the axis, infinite where there is none.
+class SingleMass:
+    """A single mass in a box, SI units.
 
-    weight : acceleration towards the low wall, m/s^2; friction : of the floor of a horizontal box, mu g, m/s^2
-    start, velocity : m and m/s against the box when the motion starts
+    low, high : positions of the walls along the axis, m, infinite if there is none
+    weight : acceleration towards the low wall, m/s^2
+    friction : of the floor of a horizontal box, mu g, m/s^2
+    start, velocity : initial position and velocity relative to the box, m and m/s
     """
 
     mass: float
@@ -35,38 +39,52 @@ class Slug:
     velocity: float
 
     def world(self, acceleration: float, frequency: float, P: Array, Q: Array) -> tuple[World, Array]:
-        """What the kernel needs, in the units of a waveform of peak `acceleration` (m/s^2)."""
+        """Return the kernel's description of box and mass, in units of a waveform of peak
+        `acceleration` (m/s^2).
+        """
         length = acceleration / (2.0 * math.pi * frequency) ** 2
         weight, band = self.weight / acceleration, self.friction / acceleration
         return world(weight, band, self.low / length, self.high / length, self.restitution, P, Q)
 
     def state(self, acceleration: float, frequency: float) -> State:
-        """The start in the units of the waveform: at rest, or moving (on a rough floor to a side)."""
+        """Return the initial state in units of the waveform: at rest, or moving (on a rough floor,
+        in one direction).
+        """
         omega = 2.0 * math.pi * frequency
         u = self.velocity * omega / acceleration
         towards = int(math.copysign(1.0, u)) if self.friction > 0.0 else 1
+        # Same expression as in `world`: a start at a wall must equal the wall position bit for bit.
         length = acceleration / omega**2  # as in `world`: a start at a wall is at the wall to the last bit
         return State(0 if u == 0.0 else towards, self.start / length, u)
 
 
 @dataclass(frozen=True)
 class SlugTotal:
-    """A slug's energy per cycle, the most that it could be, J; whether it ever moves in the box; the relative standard
-    error of the mean, 0 for an orbit with a period."""
+    """Energy per cycle of a single mass.
 
-    total: Total
+    total : J
+    bound : upper bound, J
+    moves : whether it ever moves relative to the box
+    error : relative standard error of the mean, 0 for a periodic orbit
+    """
+
+    total: ModelEnergy
     bound: float
     moves: bool
     error: float
 
 
 def slug_total(
-    slug: Slug, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
+    slug: SingleMass, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
     window: tuple[int, int] | None = None,
 ) -> SlugTotal:  # fmt: skip
-    """Energy per cycle of a slug on an exact sine of peak `acceleration` (m/s^2), in the state it settles to.
+    """Return the energy per cycle of a single mass on an exact sine of peak `acceleration` (m/s^2),
+    once settled.
 
-    window : the first cycle, and the one after the last, of which a mean is wanted too. Raises TooManyEvents.
+    settle, average : cycles before the mean, and cycles of the mean, of an orbit without a period
+    window : (first cycle, one past the last) of an additional mean; None for none
+
+    Raises TooManyEvents.
     """
     P, Q = np.ones(1), np.zeros(1)
     start = slug.state(acceleration, frequency)
@@ -77,7 +95,7 @@ def slug_total(
     unit = slug.mass * velocity**2
     taken = found.friction + found.collision
     return SlugTotal(
-        total=Total(
+        total=ModelEnergy(
             unit * found.friction,
             unit * found.collision,
             found.period,
@@ -90,11 +108,11 @@ def slug_total(
     )
 
 
-def bound(slug: Slug, velocity: float, frequency: float, found: Steady) -> float:
-    """The most that a slug can take per cycle at a box velocity amplitude (m/s), J.
+def bound(slug: SingleMass, velocity: float, frequency: float, found: MeanCycle) -> float:
+    """Return the upper bound of the energy per cycle at a box velocity amplitude (m/s), J.
 
-    m g V/f where gravity pulls it and no lid pushes it down: the mean contact force is m g and never negative, and the
-    box moves at V at most. Otherwise `plastic_bound`, two hits a cycle at 2 V.
+    m g V/f if gravity acts and no lid is hit: the mean contact force is m g and never negative, and
+    the box velocity is at most V. Otherwise `plastic_bound`, two hits per cycle at 2 V.
     """
     if slug.weight > 0.0 and not found.lid:
         return slug.mass * slug.weight * velocity / frequency
@@ -102,22 +120,29 @@ def bound(slug: Slug, velocity: float, frequency: float, found: Steady) -> float
 
 
 def zero_gravity_energy(gap: float) -> float:
-    """W per cycle of a plastic slug between two walls without weight, gap <= pi: (1 - cos t)^2, t - sin t = gap."""
+    """Return W per cycle of a plastic mass between two walls without weight, gap <= pi: (1 - cos
+    t)^2, t - sin t = gap.
+    """
     t = _root(lambda t: t - math.sin(t) - gap, 0.0, math.pi + 1e-9)
+    # 1 - cos t = 2 sin^2(t/2), without cancellation.
     return (2.0 * math.sin(0.5 * t) ** 2) ** 2
 
 
 def friction_block_energy(eta: float) -> float:
-    """W per cycle of a block that never stops on a rough floor, eta = mu g/A < 2/sqrt(4 + pi^2) = 0.537."""
+    """Return W per cycle of a block that never stops on a rough floor, eta = mu g/A < 2/sqrt(4 +
+    pi^2) = 0.537.
+    """
     return 4.0 * eta * math.sqrt(1.0 - (0.5 * math.pi * eta) ** 2)
 
 
 def plastic_energy(level: float) -> float:
-    """W per cycle of a plastic slug on a floor without lid, 1 < level <= sqrt(1 + pi^2): leaves at sin phi = 1/level,
-    lands while the floor pushes, once a cycle.
+    """Return W per cycle of a plastic mass on a floor without lid, 1 < level <= sqrt(1 + pi^2).
 
-    Written from the take-off on, where height and speed against the floor start as t^3 and t^2: nothing cancels.
+    It takes off at sin phi = 1/level and lands while the floor pushes, once per cycle. The flight
+    is expressed in the phase since take-off, where height and relative speed start as t^3 and t^2:
+    no cancellation.
     """
+    # sin and cos of the take-off phase.
     pull, lead = 1.0 / level, math.sqrt((level - 1.0) * (level + 1.0)) / level
 
     def height(t: float) -> float:
@@ -129,39 +154,51 @@ def plastic_energy(level: float) -> float:
 
 
 def locking_band(k: int) -> tuple[float, float]:
-    """Levels between which a plastic slug lands k cycles after each take-off, at the phase of the take-off."""
+    """Return the levels between which a plastic mass lands k cycles after each take-off, at the
+    phase of the take-off.
+    """
     return math.sqrt(1.0 + (k * math.pi) ** 2), math.sqrt(4.0 + (k * math.pi) ** 2)
 
 
 def locked_energy(level: float, k: int) -> float:
-    """W per cycle of the drive in the k-th locking band: 2 pi^2 k m g^2/w^2; k times that in each landing."""
+    """Return W per cycle of the drive in the k-th locking band: 2 pi^2 k m g^2/w^2; k times that in
+    each landing.
+    """
     return 2.0 * math.pi**2 * k / level**2
 
 
 def bouncing_loss(level: float, k: int, e: float) -> float:
-    """Loss per hit of a slug that bounces once in k cycles: 2 pi^2 k^2 (1 - e)/(1 + e) m g^2/w^2."""
+    """Return the loss per hit of a mass that bounces once in k cycles: 2 pi^2 k^2 (1 - e)/(1 + e) m
+    g^2/w^2.
+    """
     return 2.0 * (math.pi * k / level) ** 2 * (1.0 - e) / (1.0 + e)
 
 
 def bouncing_band(k: int, e: float) -> tuple[float, float]:
-    """Levels between which that orbit exists and is stable: its multipliers have the product e^2
-    and the sum 1 + e^2 - (1 + e)^2 level sin(phi), with cos(phi) = pi k (1 - e)/((1 + e) level) at the hit."""
+    """Return the levels between which the orbit of `bouncing_loss` exists and is stable.
+
+    Its multipliers have the product e^2 and the sum 1 + e^2 - (1 + e)^2 level sin(phi), with
+    cos(phi) = pi k (1 - e)/((1 + e) level) at the hit.
+    """
+    # Lower end: cos(phi) = 1. Upper end: the sum of the multipliers reaches -(1 + e^2), period
+    # doubling.
     least = math.pi * k * (1.0 - e) / (1.0 + e)
     return least, math.hypot(least, 2.0 * (1.0 + e * e) / (1.0 + e) ** 2)
 
 
 def _late(t: float) -> float:
-    """t - sin t without cancellation."""
+    """Return t - sin t without cancellation."""
     return t - math.sin(t) if t > 1.0 else t**3 * sum(c * t ** (2 * n) for n, c in enumerate(LATE))
 
 
 def _low(t: float) -> float:
-    """t^2/2 - 1 + cos t without cancellation."""
+    """Return t^2/2 - 1 + cos t without cancellation."""
     return 0.5 * t * t - 1.0 + math.cos(t) if t > 1.0 else t**4 * sum(c * t ** (2 * n) for n, c in enumerate(LOW))
 
 
 def _root(f: Callable[[float], float], lo: float, hi: float) -> float:
-    """Where f changes its sign in a bracket, by halving it."""
+    """Return the sign change of f in a bracket, by bisection."""
+    # To the last bit: the bracket ends when no number lies between its ends.
     side = f(lo) > 0.0
     while True:
         middle = 0.5 * (lo + hi)

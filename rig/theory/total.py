@@ -1,4 +1,8 @@
-"""W_T = W_f + W_c (eq 24): the paper tier, literal after the errata, and the closed tier, the one to compare with."""
+"""W_T = W_f + W_c (eq 24): the model as printed (paper tier, with errata) and event-resolved
+(closed tier).
+
+The event-resolved one is for comparison with measurements.
+"""
 
 from dataclasses import dataclass
 
@@ -6,24 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.kernels.rows.many_rows import LONGEST_SPAN, steady_and_window, steady_energy
-from rig.kernels.rows.one_row import MAX_EVENTS, Rows
+from rig.kernels.rows.one_row import MAX_EVENTS, RowSet
 from rig.kernels.waveform import crossings, extrema
 from rig.theory.chain import first_grain_velocity, first_wave_loss, wall_loss
 
 Array = NDArray[np.float64]
 
 AVERAGED_CYCLES = 448
-"""Cycles over which a row without a period is averaged. Some wander for hundreds of cycles before they repeat: 64 were
-up to 0.4 % of W_T off, 448 are within 0.02 % of 4096 on the shipped protocols (tests/physics/test_rows.py)."""
+"""Cycles over which a row without a period is averaged.
+
+Some rows wander for hundreds of cycles before they become periodic: 64 cycles were up to 0.4 % of
+W_T off, 448 are within 0.02 % of 4096 on the shipped protocols (tests/physics/test_rows.py).
+"""
 
 
 @dataclass(frozen=True)
-class Total:
-    """Energy per cycle by the closed tier, J.
+class ModelEnergy:
+    """Energy per cycle of the event-resolved model (closed tier), J.
 
     period : longest period of a sliding row in cycles of the drive, 0 if any row has none
-    periodic_share : share of W_T in rows that have a period
-    window : mean over the cycles that were asked for, the first ones of the motion included; None where none were
+    periodic_share : fraction of W_T in rows that have a period
+    window : mean over the requested cycles, counted from the start of the motion; None if none were
+        requested
     """
 
     friction: float
@@ -39,15 +47,19 @@ class Total:
 
 
 class TooManyEvents(ArithmeticError):
-    """A row meets more events in one cycle, or takes more cycles to cross its play, than can be followed."""
+    """A row with more events in one cycle, or more cycles to cross its play, than can
+    be followed.
+    """
 
 
-def paper_collision(
+def as_printed_collision(
     layer_mass: float, grains: int, restitution: float, restitution_wall: float, wall_velocity: float
 ) -> float:
-    """W_c of the paper tier, J per cycle: one layer of chains per struck wall, two walls per cycle (eqs 20 to 23).
+    """Return W_c of the model as printed, J per cycle: one layer of chains per struck wall, two
+    walls per cycle (eqs 20 to 23).
 
-    `layer_mass` is the mass of the layer of first grains, rho_b L2 w H d; each chain has n = floor(L1/d) grains.
+    `layer_mass` is the mass of the layer of first grains, rho_b L2 w H d; each chain has n =
+    floor(L1/d) grains.
     """
     first = first_grain_velocity(wall_velocity, restitution_wall)
     wave = first_wave_loss(np.full(grains, layer_mass), restitution, first)
@@ -55,14 +67,19 @@ def paper_collision(
 
 
 def plastic_bound(mass: float, velocity: float, row_restitution: float) -> float:
-    """Most that a bed between two walls can take per cycle, J: 4 M V^2 (1 + e_row)/(1 - e_row); inf for e_row = 1."""
+    """Return the upper bound of the energy that a bed between two walls dissipates per cycle, J.
+
+    4 M V^2 (1 + e_row)/(1 - e_row); infinite for e_row = 1.
+    """
     if row_restitution >= 1.0:
         return float("inf")
     return 4.0 * mass * velocity**2 * (1.0 + row_restitution) / (1.0 - row_restitution)
 
 
-def sliding_rows(threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float) -> Rows:
-    """The rows of the layers that an exact sine of peak `acceleration` makes slide, in its units.
+def sliding_rows(
+    threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float
+) -> RowSet:
+    """Return the rows that slide on an exact sine of peak `acceleration`, in units of that sine.
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
     play : free play of each row, m, shape (layers, rows)
@@ -70,9 +87,10 @@ def sliding_rows(threshold: Array, play: Array, row_restitution: float, accelera
     sine, cosine = np.ones(1), np.zeros(1)
     flowing = threshold < acceleration
     band = threshold[flowing] / acceleration
+    # Lengths in units of the waveform, A/w^2; accelerations in units of A.
     free = (play[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
     layer = np.repeat(np.arange(band.size), play.shape[1])
-    return Rows(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
+    return RowSet(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
 
 
 def layer_energies(
@@ -84,26 +102,32 @@ def layer_energies(
     frequency: float,
     averaged_cycles: int,
 ) -> Array:
-    """Energy per cycle of each row, J, shape (layers, rows); arguments as for `closed_tier`. Raises TooManyEvents."""
+    """Return the energy per cycle of each row, J, shape (layers, rows); arguments as for
+    `layers_total`. Raises TooManyEvents.
+    """
     energy = np.zeros(play.shape)
     rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
     if rows.play.size:
         friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
         _refuse(period)
+        # Kernel energies are per mass in units of the squared velocity amplitude (A/w)^2.
         unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
+        # Layers below their threshold ride and keep 0.
         energy[threshold < acceleration] = unit * (friction + collision).reshape(-1, play.shape[1])
     return energy
 
 
 def _refuse(period: NDArray[np.int64]) -> None:
-    """Raise TooManyEvents where a row could not be followed."""
+    """Raise TooManyEvents if a row could not be followed; the kernel reports the reason as a
+    negative period.
+    """
     if (period == -1).any():
         raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
     if (period == -2).any():
         raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
 
 
-def closed_tier(
+def layers_total(
     threshold: Array,
     play: Array,
     row_mass: float,
@@ -112,18 +136,21 @@ def closed_tier(
     frequency: float,
     averaged_cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
-) -> Total:
-    """Energy per cycle of independent rows on an exact sine of peak `acceleration`, in their steady state.
+) -> ModelEnergy:
+    """Return the energy per cycle of independent rows on an exact sine, in their steady state
+    (closed tier).
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
     play : free play of each row, m, shape (layers, rows)
-    window : the first cycle, and the one after the last, of which a mean is wanted too
+    row_mass : kg; acceleration : peak of the sine, m/s^2; frequency : Hz
+    averaged_cycles : cycles over which rows without a period are averaged
+    window : (first cycle, one past the last) of an additional mean; None for none
 
     Raises TooManyEvents.
     """
     rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
     if rows.play.size == 0:
-        return Total(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
+        return ModelEnergy(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
     friction, collision, period, seen = steady_and_window(
         rows, np.ones(1), np.zeros(1), averaged_cycles, window or (0, 0)
     )
@@ -131,7 +158,7 @@ def closed_tier(
     unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
     each = friction + collision
     taken = float(each.sum())
-    return Total(
+    return ModelEnergy(
         friction=float(unit * friction.sum()),
         collision=float(unit * collision.sum()),
         period=int(period.max()) if (period > 0).all() else 0,

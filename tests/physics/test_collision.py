@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rig.theory.collision import (
+    AfterCollision,
     Bodies,
     CollisionError,
     Contact,
-    Outcome,
     collide,
     in_contact,
     local_axes,
@@ -48,7 +48,7 @@ def inertia(body: Bodies) -> np.ndarray:
     return 0.4 * np.asarray(body.mass) * np.asarray(body.radius) ** 2
 
 
-def energy(first: Bodies, second: Bodies, after: Outcome | None = None) -> np.ndarray:
+def energy(first: Bodies, second: Bodies, after: AfterCollision | None = None) -> np.ndarray:
     v = (first.velocity, second.velocity) if after is None else (after.velocity1, after.velocity2)
     total = sum(
         0.5 * np.asarray(b.mass) * np.sum(np.square(u), axis=1) for b, u in zip((first, second), v, strict=True)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rig.beds.janssen_stack import nominal, refill, stack
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
 from rig.fidelity.choose import stand_pilot
@@ -16,7 +16,7 @@ from rig.fidelity.lengths import LEAST_RECORD, LONGEST_RECORD, choose_lengths
 from rig.fidelity.pilot import Pilot, rows_pilot
 from rig.fidelity.rows import COVERAGE, LADDER, SHARE, choose_rows, scatter
 from rig.fidelity.scene_rows import resolved_rows, with_rows
-from rig.prediction.model import closed
+from rig.prediction.model import layers_variant
 from rig.protocol.spec import Cavity, Drive, Grains, Scene
 from rig.protocol.spec import Layers as LayersOf
 
@@ -35,12 +35,12 @@ def test_the_pilot_sees_what_the_bed_does(acceleration: float, rig: Rig) -> None
     within 1e-10 of a play, of which each row has its own; steady energy against the closed tier."""
     scene, cycles = balls(fill=0.6), 96
     found = rows_pilot(scene, rig, at(acceleration), nominal(scene, rig), cycles)
-    bed = Layers(stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0))
+    bed = LayersBed(stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0))
     work = np.concatenate([bed.advance(2).work for _ in range(cycles // 2)])
     inertial = np.pi * bed.mass * Waveform(20.0, acceleration).velocity_unit ** 2
     kept = 1e-10 if found.repeating == 1.0 else 1e-4  # a row without a period doubles a difference in each cycle
     np.testing.assert_allclose(found.work, work, atol=kept * inertial)
-    same = closed(scene, stack(scene, rig, nominal(scene, rig)), acceleration, 20.0, cycles - 64)
+    same = layers_variant(scene, stack(scene, rig, nominal(scene, rig)), acceleration, 20.0, cycles - 64)
     assert same.total == pytest.approx(found.W, rel=1e-12)
     assert found.repeating >= same.periodic_share - 1e-12
 
@@ -71,7 +71,7 @@ def test_scatter_of_strata_is_what_pourings_show(acceleration: float, rows: int,
     guess = scatter(rows_pilot(fine, rig, at(acceleration), nominal(fine, rig), 128).energy, rows)
     scene, rng = balls(rows), np.random.default_rng(1)
     poured = [replace(nominal(scene, rig), position=rng.random((85, rows))) for _ in range(40)]
-    W = [closed(scene, stack(scene, rig, filling), acceleration, 20.0).total for filling in poured]
+    W = [layers_variant(scene, stack(scene, rig, filling), acceleration, 20.0).total for filling in poured]
     assert guess == pytest.approx(float(np.std(W, ddof=1)), rel=0.45)
 
 
@@ -99,7 +99,7 @@ def test_rows_meet_their_share(diameter: float, fill: float, acceleration: float
     for drawn in (0, 4):
         found = choose_rows(scene, rig, at(acceleration), tolerance, drawn)
         chosen, fine = (
-            closed(s, stack(s, rig, nominal(s, rig)), acceleration, 20.0, 4096).total
+            layers_variant(s, stack(s, rig, nominal(s, rig)), acceleration, 20.0, 4096).total
             for s in (with_rows(scene, found.rows), with_rows(scene, resolved_rows(scene)))
         )
         assert found.rows in (*LADDER, found.resolved)
@@ -203,7 +203,7 @@ def test_refills_scatter_as_with_resolved_rows(rig: Rig) -> None:
         for _ in range(60):
             poured = refill(with_rows(scene, 1), rig, rng)
             filling = replace(poured, position=np.random.default_rng(len(found)).random((85, count)))
-            found.append(closed(scene, stack(with_rows(scene, count), rig, filling), 3.0, 20.0).total)
+            found.append(layers_variant(scene, stack(with_rows(scene, count), rig, filling), 3.0, 20.0).total)
         W.append(np.array(found))
     difference = W[0] / W[1] - 1.0
     assert np.std(difference) < 0.01  # 2 s/sqrt(4) is within half a per cent, hence s within 0.5 %, twice that here

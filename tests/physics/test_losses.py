@@ -24,7 +24,7 @@ from rig.drive.losses import (
     way,
 )
 from rig.drive.waveform import Waveform, viscous_energy
-from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.slip_moments import slip_moments
 from rig.kernels.waveform import crossings, extrema
 from rig.protocol.spec import Scene
@@ -155,7 +155,7 @@ def test_slip_moments_of_a_plastic_row_without_friction(play: float) -> None:
     t = lo
     P, Q = np.ones(1), np.zeros(1)
     band = np.array([1e-12])
-    rows = Rows(np.zeros(1, np.int64), np.array([play]), 0.0, band, crossings(band, P, Q, extrema(P, Q)).tables)
+    rows = RowSet(np.zeros(1, np.int64), np.array([play]), 0.0, band, crossings(band, P, Q, extrema(P, Q)).tables)
     second, third, peak = slip_moments(rows, P, Q)
     sine, double = np.sin(t), np.sin(2.0 * t)
     # Gauss on trigonometric polynomials, 12 points over half a cycle at most: below 1e-9

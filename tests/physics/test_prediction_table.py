@@ -7,18 +7,18 @@ import pytest
 
 from analysis.session.prediction import Curve
 from rig.beds.janssen_stack import nominal, refill, stack
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform
 from rig.kernels.rows.many_rows import steady_and_window
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, steady
 from rig.kernels.waveform import crossings, extrema
-from rig.prediction.model import closed, misread, predict_about
+from rig.prediction.model import layers_variant, misread, predict_about
 from rig.protocol.grid import conditions as conditions_of
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition
-from rig.theory.single_mass import Slug
+from rig.theory.single_mass import SingleMass
 
 SINE = (np.ones(1), np.zeros(1))
 PROTOCOLS = ("fill_rate", "density", "size", "size_acceleration", "frequency", "acceleration")
@@ -47,7 +47,7 @@ def errors_of_reading(rig: Rig, conditions: Iterator[Condition], levels: int, se
         curve, bed = Curve.of(table["acceleration"], table["W_T"]), stack(one.scene, rig, nominal(one.scene, rig))
         u = np.hypot(point.u_rel, point.u_levels) * point.W_T
         at = one.drive.acceleration * rng.uniform(0.98, 1.02, levels)
-        found.append([(curve(a) - closed(one.scene, bed, a, one.drive.frequency).total) / u for a in at])
+        found.append([(curve(a) - layers_variant(one.scene, bed, a, one.drive.frequency).total) / u for a in at])
     return np.array(found)
 
 
@@ -87,7 +87,7 @@ def test_the_window_is_the_mean_of_its_own_cycles(band: float, play: float, e: f
     """Against each cycle followed. An orbit is taken to go on where its state recurs to 1e-10, so 1e-9 in its energy;
     one that does not recur in 512 cycles counts with its mean beyond."""
     bands = np.array([band])
-    row = Rows(np.zeros(1, np.int64), np.array([play]), e, bands, crossings(bands, *SINE, extrema(*SINE)).tables)
+    row = RowSet(np.zeros(1, np.int64), np.array([play]), e, bands, crossings(bands, *SINE, extrema(*SINE)).tables)
     _, _, period, seen = steady_and_window(row, *SINE, 448, window)
     mode, u, z, lost, room = 0, 0.0, 0.0, [], no_events()
     for _ in range(window[1]):
@@ -101,7 +101,7 @@ def test_the_window_is_the_mean_of_its_own_cycles(band: float, play: float, e: f
 def test_the_window_of_a_slug_is_the_mean_of_its_own_cycles() -> None:
     """In a locking band the phase of a landing approaches the locked one by 1 - level sin(phase) each time, -0.6 at
     3.5 g: 1e-9 of it is left after 40 landings. At rest to begin with, it loses less in the first cycle."""
-    slug = Slug(1.0, 0.0, np.inf, weight=9.80665, friction=0.0, restitution=0.0, start=0.0, velocity=0.0)
+    slug = SingleMass(1.0, 0.0, np.inf, weight=9.80665, friction=0.0, restitution=0.0, start=0.0, velocity=0.0)
     world = slug.world(3.5 * 9.80665, 20.0, *SINE)
     start = slug.state(3.5 * 9.80665, 20.0)
     found = [steady(start, *world, *SINE, SETTLE, AVERAGE, (n, n + 1)).window for n in range(60)]
@@ -117,7 +117,7 @@ def bias_of_settling(one: Condition, rig: Rig, refills: int, rng: np.random.Gene
     drive, acquire, found = one.drive, one.acquire, []
     for _ in range(refills):
         bed = stack(one.scene, rig, refill(one.scene, rig, rng))
-        moving = Layers(bed, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
+        moving = LayersBed(bed, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
         parts = [moving.advance(50) for _ in range(8)]
         lost = np.concatenate([part.friction + part.collision for part in parts])
         found.append(lost[acquire.settle : acquire.settle + acquire.record].mean() / lost[128:].mean() - 1.0)

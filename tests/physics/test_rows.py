@@ -10,20 +10,20 @@ from scipy.optimize import brentq
 from rig.beds.janssen_stack import nominal, stack
 from rig.catalog.rig_file import load_rig
 from rig.kernels.rows.many_rows import steady_energy
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.waveform import Array, crossings, extrema, motion
 from rig.protocol.spec import Grains, Layers, Scene
-from rig.theory.total import AVERAGED_CYCLES, closed_tier
+from rig.theory.total import AVERAGED_CYCLES, layers_total
 
 SINE = (np.ones(1), np.zeros(1))
 THIRD = (np.array([1.0, 0.0, 0.2]), np.array([0.0, 0.0, -0.1]))
 
 
-def one_row(band: float, play: float, restitution: float, waveform: tuple[Array, Array]) -> Rows:
+def one_row(band: float, play: float, restitution: float, waveform: tuple[Array, Array]) -> RowSet:
     """A single row on a waveform."""
     bands = np.array([band])
     tables = crossings(bands, *waveform, extrema(*waveform)).tables
-    return Rows(np.zeros(1, np.int64), np.array([play]), restitution, bands, tables)
+    return RowSet(np.zeros(1, np.int64), np.array([play]), restitution, bands, tables)
 
 
 def steady(band: float, play: float, restitution: float = 0.0, average: int = 64) -> tuple[float, float, int]:
@@ -188,7 +188,7 @@ def test_averaging_rows_without_a_period(diameter: float, fill: float, rows: int
     scene = Scene(grains=Grains(density=7900.0, diameter=diameter, fill=fill), layers=Layers(rows=rows))
     bed = stack(scene, rig, nominal(scene, rig))
     short, long = (
-        closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, level, 20.0, n).total
+        layers_total(bed.threshold, bed.play, bed.row_mass, bed.restitution, level, 20.0, n).total
         for n in (AVERAGED_CYCLES, 4096)
     )
     # what may be left: rows still wandering after 512 cycles, 1e-3 of W at most here, some 10 % off each

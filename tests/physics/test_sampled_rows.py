@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from rig.beds.janssen_stack import nominal, stack
 from rig.catalog.entries import Rig
 from rig.kernels.rows.many_rows import steady_energy
-from rig.kernels.rows.one_row import Rows
+from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.recorded_motion import sampled_energy
 from rig.kernels.waveform import crossings, extrema
 from rig.protocol.spec import Scene
-from rig.theory.total import closed_tier
+from rig.theory.total import layers_total
 
 OMEGA = 2 * np.pi * 20.0
 
@@ -34,7 +34,7 @@ def exact(band: float, play: float, restitution: float, P: list[float], Q: list[
     unit = (4.0 / OMEGA) ** 2
     bands, coefficients = np.array([band / 4.0]), (np.array(P), np.array(Q))
     tables = crossings(bands, *coefficients, extrema(*coefficients)).tables
-    rows = Rows(np.zeros(1, np.int64), np.array([play * OMEGA**2 / 4.0]), restitution, bands, tables)
+    rows = RowSet(np.zeros(1, np.int64), np.array([play * OMEGA**2 / 4.0]), restitution, bands, tables)
     friction, collision, period = steady_energy(rows, *coefficients, 64)
     return unit * np.array([friction[0], collision[0]]), int(period[0])
 
@@ -101,7 +101,7 @@ def test_a_whole_bed_takes_what_the_closed_tier_says(rig: Rig, steel: Scene) -> 
     fifth digit, and 40 cycles average the rest: within 1 % (0.04 to 0.65 % found at 1 to 6 m/s^2)."""
     bed = stack(steel, rig, nominal(steel, rig))
     for level in (2.0, 5.0):
-        tier = closed_tier(bed.threshold, bed.play, bed.row_mass, bed.restitution, level, 20.0)
+        tier = layers_total(bed.threshold, bed.play, bed.row_mass, bed.restitution, level, 20.0)
         a = -level * np.sin(2 * np.pi * np.arange(40 * 256) / 256)
         band = np.repeat(bed.threshold, bed.play.shape[1])
         taken = sampled_energy(band, bed.play.ravel(), bed.restitution, a, 1 / 5120, 2560)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from strategies import drives, motions, rigs, scenes
 
 from rig.beds.janssen_stack import nominal, stack
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform, viscous_energy
 from rig.errors import InputError
@@ -193,7 +193,7 @@ def test_mirrored(bed: str, rig: Rig, data: st.DataObject) -> None:
         start = -scene.slug.start if gap == "none" else float(gap or 0.0) - scene.slug.start
         other = replace(scene, slug=replace(scene.slug, start=start, velocity=-scene.slug.velocity))
     one, two = stand_of(scene, rig, motion), stand_of(other, rig, backwards)
-    if isinstance(two._bed, Layers):
+    if isinstance(two._bed, LayersBed):
         two._bed._memory["u"] = two._bed._rows.play
     means, ledger = follow(one, 4)
     mirrored, account = follow(two, 4)

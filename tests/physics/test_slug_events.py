@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rig.kernels.single_mass.many_cycles import Cycles, run, steady
+from rig.kernels.single_mass.many_cycles import MassCycles, run, steady
 from rig.kernels.single_mass.one_cycle import MAX_EVENTS, State, world
 from rig.kernels.waveform import Array, motion
 from rig.theory import single_mass as theory
@@ -24,11 +24,11 @@ Waveform = tuple[Array, Array]
 def followed(
     cycles: int, weight: float = 0.0, gap: float = NO_LID, e: float = 0.0, band: float = 0.0, low: float = 0.0,
     start: State = REST, waveform: Waveform = SINE,
-) -> Cycles:  # fmt: skip
+) -> MassCycles:  # fmt: skip
     return run(start, *world(weight, band, low, gap, e, *waveform), *waveform, cycles)
 
 
-def left_over(found: Cycles, weight: float, start: State, waveform: Waveform) -> Array:
+def left_over(found: MassCycles, weight: float, start: State, waveform: Waveform) -> Array:
     """Work less losses less change of energy, cycle by cycle."""
     v = motion(0.0, *waveform)[1]
     before = 0.5 * (v + start.u) ** 2 + weight * start.q
@@ -69,7 +69,7 @@ def test_energy_closes_whatever_happens(
     start = State(mode, place * min(gap, 30.0), speed) if gap else REST
     found = followed(20, weight, high, e, band, low, start, waveform)
     refused = np.flatnonzero(found.counts[:, 0] < 0)
-    done = Cycles(*(part[: refused[0] if refused.size else 20] for part in found))
+    done = MassCycles(*(part[: refused[0] if refused.size else 20] for part in found))
     assert refused.size == 0 or e > 0.9  # bouncing that takes more than 65536 hits in a cycle
     assert np.isfinite(done.state).all()
     assert (done.energy[:, 1:3] >= 0.0).all()

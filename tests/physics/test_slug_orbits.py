@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from rig.kernels.single_mass.many_cycles import Steady, run, steady
+from rig.kernels.single_mass.many_cycles import MeanCycle, run, steady
 from rig.kernels.single_mass.one_cycle import State, world
 from rig.theory import single_mass as theory
 
@@ -18,7 +18,7 @@ mp.mp.dps = 40
 
 def settled(
     weight: float = 0.0, gap: float = NO_LID, e: float = 0.0, band: float = 0.0, low: float = 0.0, start: State = REST
-) -> Steady:
+) -> MeanCycle:
     """Mean cycle of a slug on a sine, units of the sine: weight and band are accelerations over its peak."""
     return steady(start, *world(weight, band, low, gap, e, *SINE), *SINE)
 

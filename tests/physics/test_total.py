@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from rig.beds.janssen_stack import layer_count, mobile_share, nominal, stack
 from rig.catalog.entries import Rig
 from rig.kernels.chain import rebound
-from rig.prediction.model import closed, predict
+from rig.prediction.model import layers_variant, predict
 from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Scene
 from rig.theory.chain import COLLAPSE, grains_in_row
-from rig.theory.total import paper_collision, plastic_bound
+from rig.theory.total import as_printed_collision, plastic_bound
 
 NEAR = (0.99, 1.0, 1.01)
 
@@ -85,7 +85,7 @@ def test_the_paper_tier_has_no_amplitude_in_its_friction_and_breaks_the_bound(ri
 
 def test_paper_collision_by_hand_for_two_grains() -> None:
     """e = e0 = 0.5, V = 1, m = 1: v1 = 1.5; wall 0.375, pair m v1^2 (1-e^2)/4 = 0.421875; two walls."""
-    assert paper_collision(1.0, 2, 0.5, 0.5, 1.0) == pytest.approx(2 * (0.375 + 0.421875), rel=1e-14)
+    assert as_printed_collision(1.0, 2, 0.5, 0.5, 1.0) == pytest.approx(2 * (0.375 + 0.421875), rel=1e-14)
 
 
 def test_bounds() -> None:
@@ -131,7 +131,10 @@ def test_what_a_collapsed_row_leaves_out_of_W_T(rig: Rig, wall: float, diameter:
     left = float(rebound(grains, 1.0 - COLLAPSE / grains, wall))
     found = [
         [
-            sum(closed(balls(diameter=diameter), replace(bed, restitution=e), a * near, 20.0).total for near in NEAR)
+            sum(
+                layers_variant(balls(diameter=diameter), replace(bed, restitution=e), a * near, 20.0).total
+                for near in NEAR
+            )
             for e in (0.0, left)
         ]
         for a in (2.0, 3.0, 4.0, 5.0)

@@ -15,7 +15,7 @@ from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import response
 from rig.drive.waveform import Waveform
 from rig.kernels.rows.coupled_step import LEANING, Pull, collide
-from rig.kernels.rows.pages import paged, unpaged
+from rig.kernels.rows.tiles import from_tiles, to_tiles
 from rig.protocol.spec import Axis, Drive, Scene, Slug
 from rig.stand.box import box_mass
 from rig.stand.ledger import COUPLED_COLUMNS
@@ -36,12 +36,12 @@ def test_a_row_and_a_free_box_collide_by_the_book(
     s = 1.0 if low else -1.0
     w, u = np.array([v - s * closing]), np.array([0.0 if low else 1e-3])
     lo, hi = np.array([-1.0]), np.array([1.0])
-    pages = paged(w, u, lo, hi, hi, np.array([1e-3]))
+    tiles = to_tiles(w, u, lo, hi, hi, np.array([1e-3]))
     before = m * w[0] + box * v, 0.5 * m * w[0] ** 2 + 0.5 * box * v**2
     around = Pull(m, e, 0.0, box, 0.0, 0.0, 0.0)
     who, tally = np.array([0 if low else -1]), np.zeros((2, 1), np.int64)
-    after, lost = collide(v, 1e-5, 1e-9, around, 1, who, pages, tally)
-    unpaged(pages, w, u, lo, hi)
+    after, lost = collide(v, 1e-5, 1e-9, around, 1, who, tiles, tally)
+    from_tiles(tiles, w, u, lo, hi)
     scale = m * abs(before[0] / (m + box)) + m * closing + box * abs(v)
     assert m * w[0] + box * after == pytest.approx(before[0], abs=1e-14 * scale)
     rebound = s * (w[0] - after)

@@ -27,7 +27,7 @@ from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
 from rig.prediction.forecast import forecast
-from rig.prediction.model import closed
+from rig.prediction.model import layers_variant
 from rig.protocol.load import dump_protocol, load_protocol
 from rig.stand.force_peaks import use_of
 from rig.stand.prescribed import Stand
@@ -60,7 +60,7 @@ def resolved_energies(made: Campaign) -> list[float]:
     for condition in made.conditions:
         scene = with_rows(condition.scene, resolved_rows(condition.scene))
         bed, drive = stack(scene, made.rig, nominal(scene, made.rig)), condition.drive
-        found.append(closed(scene, bed, drive.acceleration, drive.frequency, 4096).total)
+        found.append(layers_variant(scene, bed, drive.acceleration, drive.frequency, 4096).total)
     return found
 
 
@@ -109,7 +109,9 @@ def test_the_mean_over_poured_runs_is_within_the_tolerance(
         for condition, found in zip(made.conditions, report["conditions"], strict=True):
             scene, level = side_by_side(condition.scene), condition.drive.acceleration
             beds = (filling_of(made, one, scene) for one in made.runs if one.condition.id == condition.id)
-            true = np.mean([closed(scene, stack(scene, made.rig, bed), level, 20.0, 1024).total for bed in beds])
+            true = np.mean(
+                [layers_variant(scene, stack(scene, made.rig, bed), level, 20.0, 1024).total for bed in beds]
+            )
             errors.append((found["W_exp"] / float(true) - 1.0) / tolerance)
     assert np.mean(np.abs(errors) > 1.0) <= 0.05
     assert float(np.sqrt(np.mean(np.square(errors)))) < 0.75

@@ -13,7 +13,7 @@ from daq.chain.block import Flag
 from daq.chain.clock import Overrun, Pacer, Punctuality
 from daq.session.record import open_session
 from rig.campaign.campaign import Campaign
-from rig.campaign.one_run.live import Look
+from rig.campaign.one_run.live import LiveUpdate
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig
@@ -30,9 +30,9 @@ def campaign(*sets: str) -> Campaign:
 ONE = ("vary={}", "repeats.n=1")
 
 
-def watched(out: Path, *sets: str) -> tuple[Campaign, list[Look]]:
-    made, looks = campaign(*sets), list[Look]()
-    run(made, out, workers=2, look=looks.append)
+def watched(out: Path, *sets: str) -> tuple[Campaign, list[LiveUpdate]]:
+    made, looks = campaign(*sets), list[LiveUpdate]()
+    run(made, out, workers=2, live=looks.append)
     return made, looks
 
 

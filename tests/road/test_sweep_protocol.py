@@ -11,7 +11,7 @@ from analysis.energy.sweep import fundamentals, shift
 from analysis.report import wording
 from analysis.report.figures.sweep import sweep_plot
 from rig.beds.janssen_stack import nominal
-from rig.campaign.preflight.dry_run import look_coupled
+from rig.campaign.preflight.dry_run import dry_run_coupled
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig
@@ -125,7 +125,7 @@ def test_looking_ahead_sees_the_whole_sweep() -> None:
     first = campaign.conditions[0]
     held = replace(first, drive=replace(first.drive, sweep_to=None))
     rate = campaign.lengths[first.id].rate
-    swept, dwelt = (look_coupled(campaign, one, rate) for one in (first, held))
+    swept, dwelt = (dry_run_coupled(campaign, one, rate) for one in (first, held))
     assert swept.acceleration > 1.2 * dwelt.acceleration
     assert swept.level == pytest.approx(dwelt.level, rel=0.05)
 

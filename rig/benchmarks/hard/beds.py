@@ -19,7 +19,7 @@ from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Layers,
 from rig.stand.ledger import COLUMNS
 from rig.stand.prescribed import Stand
 from rig.theory.friction import janssen_length
-from rig.theory.total import closed_tier
+from rig.theory.total import layers_total
 
 Array = NDArray[np.float64]
 
@@ -153,7 +153,7 @@ def extremes() -> Outcome:
     scaled = []
     for power in (-60, -20, 0, 20, 60):
         s = 4.0**power  # accelerations x s and the frequency x its root: the same lengths, energies x s
-        total = closed_tier(bed.threshold * s, bed.play, bed.row_mass, bed.restitution, 5.0 * s, 20.0 * 2.0**power)
+        total = layers_total(bed.threshold * s, bed.play, bed.row_mass, bed.restitution, 5.0 * s, 20.0 * 2.0**power)
         scaled.append(total.total / s)
     spread = (max(scaled) - min(scaled)) / (bed.mass * unit)
     wrong, closure, named = 0, 0.0, 0

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from rig.beds.bed import Bed
 from rig.beds.janssen_stack import Stack
-from rig.beds.layers import Layers
-from rig.beds.rigid import Dashpot, Locked
+from rig.beds.layers import LayersBed
+from rig.beds.rigid import DashpotBed, LockedBed
 from rig.beds.single_mass import SlugBed
 from rig.benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
-from rig.theory.single_mass import Slug
+from rig.theory.single_mass import SingleMass
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ def account(bed: Bed, cycles: int = CYCLES) -> tuple[float, float, Array]:
     return left / scale, kinetic, np.concatenate(lost)
 
 
-def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...], motion: Waveform) -> Layers:
+def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...], motion: Waveform) -> LayersBed:
     """Rows of 1 kg: thresholds in levels, plays in amplitudes."""
     rows = Stack(
         threshold=np.array(band) * motion.acceleration,
@@ -50,21 +50,22 @@ def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...],
         carried_mass=1.0,
         restitution=restitution,
     )
-    return Layers(rows, Sampling(motion, 8.0))
+    return LayersBed(rows, Sampling(motion, 8.0))
 
 
 def slug(gap: float, weight: float, friction: float, restitution: float, motion: Waveform) -> SlugBed:
     """A slug of 1 kg: gap in amplitudes, weight and friction in levels."""
     low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
     return SlugBed(
-        Slug(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0), Sampling(motion, 8.0)
+        SingleMass(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0),
+        Sampling(motion, 8.0),
     )
 
 
 BEDS: tuple[tuple[str, Callable[[], Bed]], ...] = (
-    ("empty", lambda: Locked(0.0, Sampling(PURE, 8.0))),
-    ("locked", lambda: Locked(36.0, Sampling(PURE, 8.0))),
-    ("dashpot", lambda: Dashpot(50.0, Sampling(PURE, 8.0))),
+    ("empty", lambda: LockedBed(0.0, Sampling(PURE, 8.0))),
+    ("locked", lambda: LockedBed(36.0, Sampling(PURE, 8.0))),
+    ("dashpot", lambda: DashpotBed(50.0, Sampling(PURE, 8.0))),
     ("layers, plastic, period 1", lambda: layers(0.0, (0.1, 0.5), (0.5, 2.0), PURE)),
     ("layers, plastic, no period", lambda: layers(0.0, (0.02, 0.1), (4.1, 6.3), DISTORTED)),
     ("layers, e_row = .25", lambda: layers(0.25, (0.02, 0.3), (0.5, 3.0), DISTORTED)),

@@ -169,7 +169,7 @@ def moving_wall() -> Outcome:
     )
 
 
-def _head_on(m1: float, m2: float, v: tuple[float, float], e: float) -> collision.Outcome:
+def _head_on(m1: float, m2: float, v: tuple[float, float], e: float) -> collision.AfterCollision:
     first, second = Bodies(m1, [[v[0], 0.0, 0.0]]), Bodies(m2, [[v[1], 0.0, 0.0]])
     return collide(first, second, UNIT[:1], Contact(e))
 

@@ -13,7 +13,7 @@ from rig.benchmarks.hard.sliders import SINE, STUCK, Wave, block, closed_form, f
 from rig.kernels.rows.many_rows import steady_energy
 from rig.kernels.rows.one_row import MAX_EVENTS
 from rig.kernels.waveform import extrema, motion
-from rig.theory.total import TooManyEvents, closed_tier
+from rig.theory.total import TooManyEvents, layers_total
 
 SEED = 2015
 
@@ -167,7 +167,7 @@ def vanishing_play() -> Outcome:
     refused = 0
     for play in (1e-6, 1e-9):
         try:
-            closed_tier(np.zeros(1), np.array([[play * 10.0 / (40.0 * np.pi) ** 2]]), 1.0, 1.0, 10.0, 20.0)
+            layers_total(np.zeros(1), np.array([[play * 10.0 / (40.0 * np.pi) ** 2]]), 1.0, 1.0, 10.0, 20.0)
         except TooManyEvents:
             refused += 1
     return Outcome(

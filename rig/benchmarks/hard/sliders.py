@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rig.benchmarks.hard.exact import PI, Flight, arcsine
 from rig.kernels.rows.many_rows import steady_energy
-from rig.kernels.rows.one_row import Cycle, Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowCycle, RowSet, cycle, no_events
 from rig.kernels.waveform import crossings, extrema
 
 Array = NDArray[np.float64]
@@ -28,15 +28,15 @@ class Happened(NamedTuple):
     w: Array
 
 
-def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> Rows:
+def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> RowSet:
     """A single row on a waveform."""
     bands = np.array([band])
-    return Rows(
+    return RowSet(
         np.zeros(1, np.int64), np.array([play]), restitution, bands, crossings(bands, *wave, extrema(*wave)).tables
     )
 
 
-def followed(rows: Rows, cycles: int, wave: Wave = SINE) -> tuple[list[Cycle], list[Happened]]:
+def followed(rows: RowSet, cycles: int, wave: Wave = SINE) -> tuple[list[RowCycle], list[Happened]]:
     """A single row from rest at u = 0: what each cycle gave, and its events; shorter where it was given up."""
     mode, u, z = 0, 0.0, 0.0
     ends, happened, room = [], [], no_events()

@@ -14,10 +14,10 @@ from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, bounces, cosine_and_sine, precise, root, slug_on_floor
 from rig.benchmarks.hard.sliders import STUCK, block
-from rig.kernels.single_mass.many_cycles import Cycles, Steady, run, steady
+from rig.kernels.single_mass.many_cycles import MassCycles, MeanCycle, run, steady
 from rig.kernels.single_mass.one_cycle import MAX_EVENTS, State, world
 from rig.kernels.waveform import extrema, motion
-from rig.theory.single_mass import Slug, slug_total
+from rig.theory.single_mass import SingleMass, slug_total
 from rig.theory.total import TooManyEvents
 
 Array = NDArray[np.float64]
@@ -28,17 +28,17 @@ REST = State(0, 0.0, 0.0)
 INF = math.inf
 
 
-def settled(weight: float, lid: float = INF, e: float = 0.0, band: float = 0.0, low: float = 0.0) -> Steady:
+def settled(weight: float, lid: float = INF, e: float = 0.0, band: float = 0.0, low: float = 0.0) -> MeanCycle:
     """Mean cycle of a slug that starts at rest on the floor."""
     return steady(REST, *world(weight, band, low, lid, e, *SINE), *SINE)
 
 
-def lost(found: Steady) -> float:
+def lost(found: MeanCycle) -> float:
     """W per cycle."""
     return found.friction + found.collision
 
 
-def followed(weight: float, cycles: int, lid: float = INF, e: float = 0.0, start: State = REST) -> Cycles:
+def followed(weight: float, cycles: int, lid: float = INF, e: float = 0.0, start: State = REST) -> MassCycles:
     """Cycle by cycle."""
     return run(start, *world(weight, 0.0, 0.0, lid, e, *SINE), *SINE, cycles)
 
@@ -235,7 +235,7 @@ def ceiling() -> Outcome:
 
 def too_often() -> Outcome:
     """e near 1 in a tiny gap: a named error before it lasts."""
-    named, slug = 0, Slug(1.0, 0.0, 1e-15, 0.0, 0.0, 1.0, 0.0, 0.0)
+    named, slug = 0, SingleMass(1.0, 0.0, 1e-15, 0.0, 0.0, 1.0, 0.0, 0.0)
     for e, gap in ((1.0, 1e-15), (0.9999, 1e-15), (1.0, 1e-12)):
         try:
             slug_total(replace(slug, high=gap, restitution=e), 5.0, 20.0)

@@ -16,7 +16,7 @@ from rig.benchmarks.problems.sliders import Slider
 from rig.benchmarks.timing import interleaved, peak_memory, ratios, spread
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import closed, paper_tier
+from rig.prediction.model import as_printed_variant, layers_variant
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition
@@ -30,7 +30,7 @@ PROTOCOL = "schema: rig/protocol/1\nname: bench\n"
 
 
 @dataclass(frozen=True)
-class Bed:
+class StandardBed:
     """The standard bed (steel, 4 mm, 85 %, 20 Hz) at one level, m/s^2, with some rows per layer."""
 
     condition: Condition
@@ -40,29 +40,29 @@ class Bed:
     def energy(self, cycles: int = AVERAGE) -> float:
         """Closed tier, J per cycle; rows without a period averaged over `cycles`."""
         drive = self.condition.drive
-        return closed(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
+        return layers_variant(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
 
 
 @lru_cache
-def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> Bed:
+def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> StandardBed:
     """A bed as the protocol's defaults have it; `extra` are further settings, as after `--set`."""
     rig = load_rig("default")
     sets = [f"drive.acceleration={level}", f"scene.layers.rows={rows}", *extra]
     condition = conditions(load_protocol(PROTOCOL, sets=sets))[0]
-    return Bed(condition, rig, stack(condition.scene, rig, nominal(condition.scene, rig)))
+    return StandardBed(condition, rig, stack(condition.scene, rig, nominal(condition.scene, rig)))
 
 
-def stepped(found: Bed, method: Method, setting: float) -> float:
+def stepped(found: StandardBed, method: Method, setting: float) -> float:
     """W of a bed row by row through `SETTLE` + `AVERAGE` cycles, J per cycle: no method stops earlier."""
     return _by_rows(found, lambda row: method.solve(row, setting, SETTLE, AVERAGE).energy)
 
 
-def stepped_steady(found: Bed, setting: float) -> float:
+def stepped_steady(found: StandardBed, setting: float) -> float:
     """The same by RK4, each row no longer than until its state recurs, as in the closed tier."""
     return _by_rows(found, lambda row: solve_steady(row, setting, SETTLE, AVERAGE)[0].energy)
 
 
-def _by_rows(found: Bed, solve: Callable[[Slider], float]) -> float:
+def _by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
     drive, rows = found.condition.drive, found.stack
     unit = rows.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2
     length = drive.acceleration / (2.0 * np.pi * drive.frequency) ** 2
@@ -96,7 +96,7 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     reference = bed(level, many).energy(long)
     omega = 2.0 * np.pi * bed(level).condition.drive.frequency
     calls: dict[str, tuple[Callable[[], float], int]] = {
-        "paper tier": (partial(paper_tier, bed(level).condition.scene, bed(level).rig, level / omega), 0)
+        "paper tier": (partial(as_printed_variant, bed(level).condition.scene, bed(level).rig, level / omega), 0)
     }
     for rows in (2, 8, 37):
         calls[f"closed tier, {rows} rows"] = (bed(level, rows).energy, rows)
@@ -127,12 +127,12 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
 
 def drift(cycles: int, settle: int = 0) -> Iterator[Row]:
     """Account of bed `layers` over many cycles: work = friction + collision + change of kinetic energy."""
-    from rig.beds.layers import Layers
+    from rig.beds.layers import LayersBed
     from rig.drive.waveform import Sampling, Waveform
 
     for level in (2.0, 5.0):
         found = bed(level)
-        moving = Layers(found.stack, Sampling(Waveform(found.condition.drive.frequency, level), 8.0))
+        moving = LayersBed(found.stack, Sampling(Waveform(found.condition.drive.frequency, level), 8.0))
         kinetic, largest = moving.kinetic_at_start, 0.0
         left, taken = 0.0, 0.0
         for _ in range(settle, cycles, 100):

@@ -27,7 +27,7 @@ from rig.catalog.rig_file import load_rig
 from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import STATES, I, V, X
 from rig.kernels.rows.coupled_step import Pull, end_velocity
-from rig.kernels.rows.pages import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, paged, total, unpaged
+from rig.kernels.rows.tiles import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, from_tiles, to_tiles, total
 from rig.protocol.spec import Drive, Grains, Layers, Scene
 from rig.stand.ledger import COLUMNS
 from rig.stand.shaker import CoupledStand
@@ -100,30 +100,30 @@ def _moreau(
 ) -> float:  # fmt: skip
     rows, heat, lanes = np.uint64(band.shape[0]), 0.0, np.empty(CHUNK)
     lo, hi, tally = -band, band.copy(), np.zeros((2, band.shape[0] // 64 + 1), np.int64)
-    pages = paged(w, u, lo, hi, band, play)
+    tiles = to_tiles(w, u, lo, hi, band, play)
     for k in range(pace.shape[0]):
         for begin in range(np.uint64(0), rows, CHUNK):
             for j in range(np.uint64(0), min(CHUNK, rows - begin)):
                 i = begin * FIELDS + j  # walls that a row would be behind at the end of the step push without limit
-                ahead, rub = pages[i + U] + h * (pages[i + W] - y[V]), pages[i + BAND]
-                pages[i + HI] = np.inf if ahead <= 0.0 else rub
-                pages[i + LO] = -np.inf if ahead >= pages[i + PLAY] else -rub
+                ahead, rub = tiles[i + U] + h * (tiles[i + W] - y[V]), tiles[i + BAND]
+                tiles[i + HI] = np.inf if ahead <= 0.0 else rub
+                tiles[i + LO] = -np.inf if ahead >= tiles[i + PLAY] else -rub
         free = phi @ y + rate * pace[k]
         gain = thrust[V] / h
-        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, pages, rows, 0.0, tally, lanes)
+        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, tiles, rows, 0.0, tally, lanes)
         after = free - thrust * (given / h)
         way = after[X] - y[X]
         clear(lanes)
         for begin in range(np.uint64(0), rows, CHUNK):
             for j in range(np.uint64(0), min(CHUNK, rows - begin)):
                 i = begin * FIELDS + j
-                slip = way - (pages[i + W] + 0.5 * pages[i + P]) * h
-                lanes[j] += pages[i + P] * slip
-                pages[i + U] -= slip
-                pages[i + W] += pages[i + P]
+                slip = way - (tiles[i + W] + 0.5 * tiles[i + P]) * h
+                lanes[j] += tiles[i + P] * slip
+                tiles[i + U] -= slip
+                tiles[i + W] += tiles[i + P]
         heat += around.row_mass / h * total(lanes)
         y[:] = after
-    unpaged(pages, w, u, lo, hi)
+    from_tiles(tiles, w, u, lo, hi)
     return heat
 
 

@@ -14,7 +14,7 @@ from rig.campaign.resolve import campaign_of
 from rig.catalog.rig_file import load_rig
 from rig.prediction.model import predict
 from rig.protocol.load import load_protocol
-from rig.theory.total import closed_tier
+from rig.theory.total import layers_total
 
 Row = dict[str, Any]
 
@@ -25,7 +25,7 @@ def layers(count: float) -> None:
     place = np.linspace(0.0, 1.0, int(count))
     known = np.linspace(0.0, 1.0, stack.threshold.size)
     threshold = np.interp(place, known, stack.threshold)
-    closed_tier(threshold, np.tile(stack.play[0], (threshold.size, 1)), 1.0, 0.0, 5.0, 20.0)
+    layers_total(threshold, np.tile(stack.play[0], (threshold.size, 1)), 1.0, 0.0, 5.0, 20.0)
 
 
 def rows(count: float) -> None:

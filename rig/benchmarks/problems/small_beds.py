@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from rig.beds.layers import Layers
+from rig.beds.layers import LayersBed
 from rig.benchmarks.methods import METHODS
 from rig.benchmarks.methods.method import Failed
-from rig.benchmarks.problems.beds import Bed, bed
+from rig.benchmarks.problems.beds import StandardBed, bed
 from rig.benchmarks.problems.reference import energies
 from rig.benchmarks.problems.sliders import Slider
 from rig.benchmarks.timing import interleaved, ratios, spread
@@ -29,12 +29,12 @@ SETTINGS = {"RK4, events located": (64.0, 512.0), "solve_ivp RK45": (1e-6, 1e-9)
 """Coarse to fine; quick: the first of each. An implicit method (Radau) takes ten times as long for the same."""
 
 
-def small_bed(level: float) -> Bed:
+def small_bed(level: float) -> StandardBed:
     """Steel balls of 4 mm to 5 % of the height, at `level` m/s^2."""
     return bed(level, ROWS, (f"scene.grains.fill={FILL}",))
 
 
-def sliding(found: Bed) -> list[Slider]:
+def sliding(found: StandardBed) -> list[Slider]:
     """The rows of a bed that slide, one by one, in units of the waveform."""
     level, omega = found.condition.drive.acceleration, 2.0 * np.pi * found.condition.drive.frequency
     return [
@@ -45,27 +45,27 @@ def sliding(found: Bed) -> list[Slider]:
     ]
 
 
-def unit(found: Bed) -> float:
+def unit(found: StandardBed) -> float:
     """m V^2 of a row, J."""
     drive = found.condition.drive
     return float(found.stack.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2)
 
 
-def followed(found: Bed) -> float:
+def followed(found: StandardBed) -> float:
     """W by the bed itself, J per cycle."""
     drive = found.condition.drive
-    moving = Layers(found.stack, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
+    moving = LayersBed(found.stack, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
     moving.advance(SETTLE)
     part = moving.advance(AVERAGE)
     return float((part.friction + part.collision).mean())
 
 
-def by_rows(found: Bed, solve: Callable[[Slider], float]) -> float:
+def by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
     """W as the sum over the rows, J per cycle."""
     return unit(found) * sum(map(solve, sliding(found)))
 
 
-def exact(found: Bed) -> float:
+def exact(found: StandardBed) -> float:
     """W from closed flights with root finding of their own (`rig.benchmarks.problems.reference`), J per cycle."""
 
     def counted(row: Slider) -> float:
@@ -81,7 +81,7 @@ def small_beds(levels: tuple[float, ...], rounds: int, quick: bool) -> Iterator[
         yield from _compared(small_bed(level), level, rounds, quick)
 
 
-def _compared(found: Bed, level: float, rounds: int, quick: bool) -> list[Row]:
+def _compared(found: StandardBed, level: float, rounds: int, quick: bool) -> list[Row]:
     true = exact(found)
     calls: dict[tuple[str, float], Callable[[], float]] = {(OURS, 0.0): partial(followed, found)}
     methods = {method.name: method for method in METHODS}

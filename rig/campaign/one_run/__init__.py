@@ -1,1 +1,1 @@
-"""The road of one run: how it starts, what is recorded, what is deliberately done wrong."""
+"""The road of one run: its start, its record, and deliberate errors in it."""

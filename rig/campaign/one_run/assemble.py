@@ -1,4 +1,4 @@
-"""The road of one run, link by link: from the stand to blocks of codes."""
+"""The signal chain of one run, link by link: stand, transducers, front end, ADC blocks."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -9,9 +9,9 @@ from daq.chain.frontend import FILTER_DELAY, FrontEnd
 from daq.chain.source import PhysicalSource
 from daq.chain.transducer import Transduced
 from rig.campaign.campaign import LEVEL_OF, Campaign
-from rig.campaign.one_run.deliberate_errors import seen
+from rig.campaign.one_run.deliberate_errors import with_signal_error
 from rig.campaign.one_run.faults import with_faults
-from rig.campaign.one_run.loop_back import LoopBack, inputs_alone
+from rig.campaign.one_run.loop_back import LoopBackSource, inputs_alone
 from rig.campaign.one_run.part import Part
 from rig.campaign.one_run.prescribed_run import PrescribedRun
 from rig.campaign.one_run.record_start import Beginning
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def assemble(campaign: Campaign, run: Run) -> Iterator[Part]:
-    """Give the parts of a run, block by block."""
+    """Yield the parts of a run, block by block."""
     protocol, condition, tools = campaign.protocol, run.condition, campaign.instruments
     size = campaign.lengths[condition.id]
     period = size.rate / condition.drive.frequency
@@ -35,19 +35,20 @@ def assemble(campaign: Campaign, run: Run) -> Iterator[Part]:
     stand = _stand(campaign, run)
     source: PhysicalSource = stand.source
 
-    # What is led to the instruments: the stand's signals, or in a loop-back one voltage to all inputs.
+    # The input of the instruments: the stand's signals or, in a loop-back, one voltage at all
+    # inputs.
     if condition.scene.bed == LOOP_BACK:
-        source, tools = LoopBack(source, tools, condition.drive.frequency, size.rate), inputs_alone(tools)
+        source, tools = LoopBackSource(source, tools, condition.drive.frequency, size.rate), inputs_alone(tools)
     if isinstance(stand, PrescribedRun):
-        source = seen(source, protocol.mistake, condition, campaign.rig, stand.motion)
+        source = with_signal_error(source, protocol.mistake, condition, campaign.rig, stand.motion)
 
-    # Transducers and conditioning make volts of it, the front end codes.
+    # Transducers and conditioning convert it to volts, the front end to codes.
     noise = [random_stream(campaign, run, channel.name) for channel in tools.channels]
     volts = conditioned(Transduced(source, tools.states), tools.channels, tools.states)
     front = FrontEnd(tools.analyzer, tools.channels, tools.states, size.rate, noise, size.samples)
     analyzer = Emulated(volts, front)
 
-    # The record starts when the level is held, or at a trigger; faults strike in it alone.
+    # The record starts when the level is held, or at a trigger; faults occur in the record only.
     lead = stand.lead(analyzer, period)
     faulty = with_faults(analyzer, protocol, run, campaign.instruments, size, lead)
     record = Beginning(faulty, run, size, lead)
@@ -83,7 +84,7 @@ def _stand(campaign: Campaign, run: Run) -> "PrescribedRun | ShakerRun":
 
 
 def _listener(campaign: Campaign, run: Run) -> "Listener | None":
-    """Return what predicts W_T from the record of a run; None where that is not wanted."""
+    """Return the predictor of W_T from the record of a run; None if it is not wanted."""
     if not campaign.recorded or run.condition.drive.sweep_to is not None:
         return None
     from rig.campaign.one_run.predict_on_record import Listener

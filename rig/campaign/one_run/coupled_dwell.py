@@ -1,7 +1,7 @@
-"""A run in coupled drive: a dwell on the exciter, from its start-up to the end of the record."""
+"""A run in shaker-coupled drive: a dwell on the exciter, from start-up to the end of the record."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,31 +23,34 @@ Array = NDArray[np.float64]
 
 SIGNALS = (*CHANNELS, *EXCITER_CHANNELS)
 FIRST_GUESS = 0.3
-"""First command over the one that box and bonded bed would need: a bed that slides needs less, and a level that is
-overshot leaves it elsewhere."""
+"""Initial command, as a fraction of that needed for the bed rigidly attached. Deliberately low: a
+sliding bed needs less, and overshoot can put the bed on another solution branch (hysteresis).
+"""
 
 OVERSHOOT = 1.25
-"""Level from which a dwell comes down where it approaches from above, over the level asked for."""
+"""Level from which a dwell descends if it approaches from above, as a multiple of the
+target level.
+"""
 
 MARGIN = 2
-"""Cycles held beyond the record: the analyzer's filter looks ahead."""
+"""Cycles held after the record: the analyzer's filter looks ahead."""
 
 
 class Picked:
-    """A physical source with the first channels of another one only."""
+    """A physical source with the first `count` channels of another one."""
 
     def __init__(self, source: PhysicalSource, count: int) -> None:
         self.names, self.rate = source.names[:count], source.rate
         self._source, self._count = source, count
 
     def read(self, n: int) -> Array:
-        """Next n interval means, shape (count, n)."""
+        """Return the next n interval means, shape (count, n)."""
         return self._source.read(n)[: self._count]
 
 
 @dataclass
 class Used:
-    """What the held cycles used of the exciter's limits so far."""
+    """Utilisation of the exciter's limits in the held cycles so far."""
 
     exciter: Exciter
     current: float = 0.0
@@ -56,42 +59,48 @@ class Used:
     cycles: int = 0
 
     def add(self, cycles: list[Limits]) -> None:
-        """More cycles."""
+        """Add cycles."""
         self.clipped += sum(limits.clipped for limits in cycles)
         self.cycles += len(cycles)
         self.limits = [max_of([*self.limits, *cycles])] if cycles else self.limits
 
     def shares(self, latest: Limits) -> Mapping[str, float]:
-        """Shares of the limits in one cycle. The force is rated on the fundamental, as makers rate a sine force; the
-        others on peaks."""
+        """Return the utilisation of the limits in one cycle.
+
+        The force is rated on the fundamental, because manufacturers rate a sine force; the others
+        on peaks.
+        """
         force = self.exciter.force_constant * self.current / self.exciter.force_peak
         return {"force": force, "current": latest.current, "voltage": latest.voltage, "stroke": latest.stroke}
 
     def demand(self) -> Demand:
-        """The largest shares, as servo drive states them."""
+        """Return the largest utilisation, in the form that prescribed motion states."""
         worst = max_of(self.limits)
         return Demand(**self.shares(worst), peak=worst.force, buckling=worst.buckling)
 
 
 def max_of(found: list[Limits]) -> Limits:
-    """The largest of each share; zeros of none."""
+    """Return the largest value of each utilisation; zeros for an empty list."""
     if not found:
         return Limits(*(0.0,) * 6)
-    return Limits(*(max(values) for values in zip(*(vars(limits).values() for limits in found), strict=True)))
+    each = (asdict(limits).values() for limits in found)
+    return Limits(*map(max, zip(*each, strict=True)))
 
 
 class Dwelling:
-    """A condition on the stand in coupled drive.
+    """A condition on the stand in shaker-coupled drive.
 
     rig : with the actual exciter
-    rate, clock : intervals per second as they are, and the factor by which the analyzer's clock is off
-    reading : what the controller's accelerometer reads of a unit of acceleration
+    rate : actual intervals per second
+    clock : factor of the error of the analyzer's clock
+    reading : output of the controller's accelerometer per unit of acceleration
     """
 
     def __init__(
         self, condition: Condition, rig: Rig, filling: Filling, rate: float, clock: float = 1.0, reading: float = 1.0
     ) -> None:
         asked = condition.drive
+        # The generator shares the analyzer's clock: all frequencies carry its error.
         drive = replace(asked, frequency=asked.frequency * clock, sweep_to=asked.sweep_to and asked.sweep_to * clock)
         self.stand = CoupledStand(condition.scene, rig, drive, filling, rate, self._command, SIGNALS)
         steady = condition.acquire.settle + condition.acquire.record + MARGIN
@@ -110,9 +119,12 @@ class Dwelling:
         return self._used.shares(self.stand.limits[-1])
 
     def ledger(self) -> Array:
-        """Ledger rows of the held cycles simulated since the last call, shape (cycles, len(COUPLED_COLUMNS))."""
+        """Return the ledger rows of the held cycles simulated since the last call, shape (cycles,
+        len(COUPLED_COLUMNS)).
+        """
         rows = self.stand.drain_ledger()
         latest = self.stand.limits[len(self.stand.limits) - len(rows) :]
+        # The level control still reads the latest one; all others would grow without limit.
         del self.stand.limits[:-1]
         start, first = self.dwell.steady_from, self._seen
         self._seen += len(rows)
@@ -122,11 +134,11 @@ class Dwelling:
 
     @property
     def demand(self) -> Demand:
-        """Use of the exciter's limits in the held cycles."""
+        """Utilisation of the exciter's limits in the held cycles."""
         return self._used.demand()
 
     def scalars(self) -> dict[str, float]:
-        """What the run ends with: use of the limits, and `LEVEL_SCALARS`."""
+        """Return the final scalars of the run: utilisation of the limits, and `LEVEL_SCALARS`."""
         loop, used = self.dwell.loop, self._used
         stop = ""
         if loop.status == "limited":
@@ -143,13 +155,14 @@ class Dwelling:
 
 
 def _plan(drive: Drive, exciter: Exciter, stand: CoupledStand, steady: int, reading: float) -> Plan:
-    """The dwell that a drive asks for, on the analyzer's clock."""
+    """Return the dwell for a drive, on the analyzer's clock."""
     orders = drive.frequency * np.arange(1.0, drive.harmonics + 1.0).astype(np.float64)
     box = tuple(complex(x) for x in response(stand.plant, drive.amplifier, orders).acceleration)
     if drive.control == "open":
         limit = exciter.current_peak if drive.amplifier == "current" else exciter.voltage_peak
         return Plan(drive.frequency, complex(drive.command * limit), (), steady, box[:1], reading)
     whole = replace(stand.plant, box=stand.plant.box + stand.bed.mass - stand.bed.bonded)
+    # Response with the whole bed rigidly attached: the heaviest case, for the first command.
     bonded = complex(response(whole, drive.amplifier, drive.frequency).acceleration[0])
     target = Target(drive.acceleration, timeout=drive.timeout)
     above = (Target(OVERSHOOT * drive.acceleration, timeout=drive.timeout),) if drive.approach == "above" else ()

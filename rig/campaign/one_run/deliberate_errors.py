@@ -1,4 +1,6 @@
-"""A protocol's mistake at work: in the actual instruments, in what reaches them, and in what the session tells."""
+"""A protocol's deliberate error: in the actual instruments, in their input, and in the facts for
+the session.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -16,41 +18,47 @@ from rig.stand.channels import CHANNELS, Instruments
 ACCELERATION = CHANNELS.index("acceleration")
 
 
-def spoiled(tools: Instruments, practice: BadPractice) -> Instruments:
-    """The instruments with the accelerometer's actual time constant off by the factor of `pole`."""
+def with_instrument_error(tools: Instruments, error: BadPractice) -> Instruments:
+    """Return the instruments with the accelerometer's actual time constant changed by the factor
+    `pole`.
+    """
     certified = tools.channels[ACCELERATION].transducer.time_constant
-    if practice.pole is None or certified is None:
+    if error.pole is None or certified is None:
         return tools
     states = list(tools.states)
-    states[ACCELERATION] = replace(states[ACCELERATION], time_constant=practice.pole * certified)
+    states[ACCELERATION] = replace(states[ACCELERATION], time_constant=error.pole * certified)
     return replace(tools, states=tuple(states))
 
 
-def seen(
-    source: PhysicalSource, practice: BadPractice, condition: Condition, rig: Rig, motion: Waveform
+def with_signal_error(
+    source: PhysicalSource, error: BadPractice, condition: Condition, rig: Rig, motion: Waveform
 ) -> PhysicalSource:
-    """What reaches the transducers of a run; the source itself where the mistake lies elsewhere, or none is made."""
-    if practice.corners is not None:
-        return AcCoupled(source, (AC_CORNER, AC_CORNER * (1.0 + practice.corners)))
-    if practice.skew is not None:
-        return Late(source, ACCELERATION, practice.skew * OVERSAMPLING)
-    if practice.clock is not None:
-        return Drifting(source, ACCELERATION, 1e-6 * practice.clock)
+    """Return the input of a run's transducers with the deliberate error; the source itself if the
+    error lies elsewhere or there is none.
+    """
+    if error.corners is not None:
+        return AcCoupled(source, (AC_CORNER, AC_CORNER * (1.0 + error.corners)))
+    if error.skew is not None:
+        return Late(source, ACCELERATION, error.skew * OVERSAMPLING)
+    if error.clock is not None:
+        return Drifting(source, ACCELERATION, 1e-6 * error.clock)
     if condition.scene.bed == LOOP_BACK:  # neither the coil nor the sensors are in it
         return source
-    if practice.coil:
+    if error.coil:
         return CoilForce(source, Armature.of(rig.exciter), motion)
-    if practice.offset is not None:
-        return Offset(source, ACCELERATION, practice.offset * condition.drive.acceleration)
+    if error.offset is not None:
+        return Offset(source, ACCELERATION, error.offset * condition.drive.acceleration)
     return source
 
 
-def told(practice: BadPractice, rig: Rig, rate: float) -> dict[str, Any] | None:
-    """What the report needs to know of the mistake: its kind, its value and what its rule takes (SI)."""
-    kind = practice.kind
+def error_facts(error: BadPractice, rig: Rig, rate: float) -> dict[str, Any] | None:
+    """Return the facts of the error for the report: its kind, its value, and the quantities in its
+    rule (SI).
+    """
+    kind = error.kind
     if kind is None:
         return None
-    facts: dict[str, Any] = {"kind": kind, "value": float(getattr(practice, kind))}
+    facts: dict[str, Any] = {"kind": kind, "value": float(getattr(error, kind))}
     if kind == "corners":
         facts["corner"] = AC_CORNER
     elif kind == "skew":

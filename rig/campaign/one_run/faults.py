@@ -1,4 +1,4 @@
-"""A protocol's faults at work in the blocks of a run."""
+"""A protocol's faults, applied to the blocks of a run."""
 
 import math
 from dataclasses import replace
@@ -16,18 +16,22 @@ from rig.stand.channels import Instruments
 def with_faults(
     acquisition: Acquisition, protocol: Protocol, run: Run, tools: Instruments, size: Lengths, lead: int
 ) -> Acquisition:
-    """The acquisition with those faults that the protocol has for this run; the acquisition itself where it has none.
+    """Return the acquisition with the protocol's faults for this run; the acquisition itself if
+    there are none.
 
-    lead: samples read of it before the record, in which no fault is. Each fault has its own random stream, by its kind,
-    channel and start: a fault more changes no other.
+    lead : number of samples read before the record, which have no faults
+
+    Each fault has a random stream of its own, by kind, channel and start: an additional fault
+    changes no other.
     """
     names, period = acquisition.channels, size.rate / run.condition.drive.frequency
-    found = [
-        (fault, _placed(fault, names.index(fault.channel), period, size.samples))
-        for fault in protocol.faults
-        if fault.repeat in (None, run.repeat) and fault.channel in names
-    ]
-    found = [(asked, fault) for asked, fault in found if fault.start < size.samples]
+    found: list[tuple[Asked, Fault]] = []
+    for asked in protocol.faults:
+        if asked.channel not in names or asked.repeat not in (None, run.repeat):
+            continue
+        fault = _placed(asked, names.index(asked.channel), period, size.samples)
+        if fault.start < size.samples:
+            found.append((asked, fault))
     if not found:
         return acquisition
     words = (run.condition.seed_key, str(run.repeat), "fault")
@@ -40,7 +44,9 @@ def with_faults(
 
 
 def _placed(asked: Asked, row: int, period: float, samples: int) -> Fault:
-    """A fault in samples of the record: sample n shows drive time (n - FILTER_DELAY) / rate."""
+    """Return a fault in samples of the record: sample n shows drive time (n -
+    FILTER_DELAY) / rate.
+    """
     start = math.ceil(asked.start * period + FILTER_DELAY)
     if asked.duration is not None:
         stop = max(math.ceil((asked.start + asked.duration) * period + FILTER_DELAY), start + 1)

@@ -1,4 +1,6 @@
-"""Watching a campaign while its samples come in: levels, quality bits, and W of each cycle when it is complete."""
+"""Live monitoring of a campaign while its samples arrive: levels, quality bits, and W of each
+complete cycle.
+"""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,10 +17,16 @@ from daq.session.record import Record
 
 
 @dataclass(frozen=True)
-class Look:
-    """A block has been recorded. levels: largest magnitude in it over the range, by channel; flags: quality bits in it,
-    by channel; W: J, of the cycles that it completes; cycles: read so far, `of` so many (none where a run has not what
-    energies need)."""
+class LiveUpdate:
+    """State after a block has been recorded.
+
+    levels : largest magnitude in the block as a fraction of the range, by channel
+    ranges : V, by channel
+    flags : quality bits in the block, by channel
+    W : energies of the cycles completed by the block, J
+    cycles, of : cycles read so far, and their total number (0 if a run lacks the channels for
+        energies)
+    """
 
     run: str
     condition: str
@@ -33,15 +41,17 @@ class Look:
 
 
 class Watcher:
-    """Takes a record's blocks, each run's in order, and tells of each. Memory: of the runs that are under way."""
+    """Takes a record's blocks, each run's in order, and reports after each. Memory: that of the
+    runs in progress.
+    """
 
-    def __init__(self, record: Record, tell: Callable[[Look], None]) -> None:
+    def __init__(self, record: Record, tell: Callable[[LiveUpdate], None]) -> None:
         self._record, self._tell = record, tell
         self._channels = tuple(record.channels.values())
         self._online: dict[str, Online | None] = {}
 
     def hear(self, name: str, block: Block) -> None:
-        """A block of a run has been recorded."""
+        """Take a recorded block of a run."""
         run = self._record.run(name)
         if block.start == 0:
             self._online[name] = self._reader(run)
@@ -50,7 +60,7 @@ class Watcher:
         peaks = np.abs(block.codes.astype(np.int64)).max(axis=1)
         end = block.start + block.count
         self._tell(
-            Look(
+            LiveUpdate(
                 run=name,
                 condition=run.condition,
                 samples=end,
@@ -67,7 +77,9 @@ class Watcher:
             self._online.pop(name, None)
 
     def _reader(self, run: RunInfo) -> Online | None:
-        """What reads a run's energies; None for a run without force and acceleration, or without a whole cycle."""
+        """Return the energy reader of a run; None without force and acceleration, or without a
+        whole cycle.
+        """
         with suppress(ValueError, AnalysisError):
             setting = Setting.of(self._record.conditions[run.condition])
             if setting.bed == LOOP_BACK:

@@ -1,4 +1,4 @@
-"""The loop-back: one voltage at all inputs, so that what differs between them is the analyzer's."""
+"""The loop-back: one voltage at all inputs, so that differences between them are the analyzer's."""
 
 import math
 from dataclasses import replace
@@ -13,11 +13,13 @@ from rig.kernels.waveform import sines
 from rig.stand.channels import Instruments
 
 SHARE = 0.5
-"""Of the smallest range in use that the voltage takes."""
+"""Amplitude of the voltage, as a fraction of the smallest range in use."""
 
 
 def inputs_alone(tools: Instruments) -> Instruments:
-    """The instruments without their sensors, 1 V per unit: coupling, skew, gain and noise of the inputs stay."""
+    """Return the instruments without their sensors, 1 V per unit; coupling, skew, gain and noise of
+    the inputs remain.
+    """
     return replace(
         tools,
         channels=tuple(replace(c, transducer=ideal_transducer(c.transducer.quantity)) for c in tools.channels),
@@ -25,10 +27,11 @@ def inputs_alone(tools: Instruments) -> Instruments:
     )
 
 
-class LoopBack:
-    """A physical source in V: a sine of the drive's frequency from the analyzer's own generator, led to every input.
+class LoopBackSource:
+    """A physical source in V: a sine of the drive's frequency from the analyzer's own generator at
+    every input.
 
-    The rig goes on beneath it, unseen: its account is kept, its signals are dropped.
+    The rig continues in the background: its account is kept, its signals are dropped.
     """
 
     def __init__(self, source: PhysicalSource, tools: Instruments, frequency: float, rate: float) -> None:
@@ -47,9 +50,10 @@ class LoopBack:
         return self._source.rate
 
     def read(self, n: int) -> NDArray[np.float64]:
-        """Next n interval means in V, shape (channels, n)."""
+        """Return the next n interval means in V, shape (channels, n)."""
         self._source.read(n)
         angle = np.asarray(self._turn * (self._next + 0.5 + np.arange(n)), dtype=np.float64)
         self._next += n
+        # Mean of a sine over an interval: the value at its middle times sinc(half the phase step).
         sine = self._amplitude * math.sin(self._turn / 2) / (self._turn / 2) * sines(angle)[0]
         return np.tile(sine, (len(self.names), 1))

@@ -1,4 +1,4 @@
-"""What a run comes in, wherever it is computed: blocks with their ledger rows."""
+"""Parts of a run, wherever it is computed: blocks with their ledger rows."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -12,8 +12,10 @@ from daq.chain.clock import NEVER_LATE, Overrun, Pacer, Punctuality
 
 @dataclass(frozen=True)
 class Part:
-    """A block of a run, with the ledger rows that belong to it; the last of a run brings its scalars and flags, and how
-    late its blocks came."""
+    """A block of a run, with its ledger rows.
+
+    The last part of a run also has its scalars and flags, and the punctuality of its blocks.
+    """
 
     run: str
     block: Block
@@ -28,18 +30,21 @@ class Part:
         return self.scalars is not None
 
     def ended(self, punctuality: Punctuality) -> "Part":
-        """With how late the run's blocks came, where it is the last of the run."""
+        """Return the part with the punctuality of the run's blocks, if it is the last
+        of the run.
+        """
         return self if self.scalars is None else replace(self, punctuality=punctuality)
 
     def late(self) -> "Part":
-        """The part as it is recorded where it came too late: flagged, and the run not complete."""
+        """Return the part as recorded if it came too late: flagged, and the run not complete."""
         return replace(self, block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)), scalars=None)
 
 
 def paced(parts: Iterable[Part], rate: float, speed: float | None) -> Iterator[Part]:
-    """Hold the parts of a run at `rate` (S/s) to `speed`: rig seconds per wall second, None as fast as possible.
+    """Pace the parts of a run at `rate` (S/s) to `speed`: rig seconds per wall second, None as fast
+    as possible.
 
-    Raises what computing them raises, and Overrun after the part that came too late.
+    Raises the exceptions of their computation, and Overrun after the part that came too late.
     """
     pacer = Pacer(rate, speed)
     for part in parts:

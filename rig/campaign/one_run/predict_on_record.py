@@ -1,4 +1,6 @@
-"""W_T on the waveform that was recorded: the closed tier driven by the box's measured acceleration."""
+"""W_T on the recorded waveform: the event-resolved model driven by the measured acceleration of the
+box.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +17,26 @@ from rig.protocol.schedule import Lengths
 from rig.protocol.spec import Condition
 
 SETTLE = 10
-"""Cycles that the rows go through before their energies count."""
+"""Cycles of the rows before their energies count."""
 
 RAMP = {"servo": 0, "coupled": 10}
-"""Cycles before those in which the motion grows, by drive: rows that have several orbits at one level land on others
-when the motion starts at once, as a servo's does, or gradually, as level control brings it up."""
+"""Cycles before those, by drive, in which the motion grows.
+
+Rows with several orbits at one level settle on different ones if the motion starts at once, as in
+prescribed motion, or gradually, under level control.
+"""
 
 STILL = ("empty", "locked", "dashpot", "loop_back")
-"""Beds that dissipate nothing by the model."""
+"""Beds that dissipate nothing in the model."""
 
 
 class Listener:
-    """Keeps the acceleration's codes of the cycles that are read, 64 at most, and predicts from them what the nominal
-    bed takes: a forecast from the record and the channel table, the actual instruments unknown to it."""
+    """Predictor of W_T from the recorded acceleration.
+
+    It stores the codes of the analysed cycles, at most 64, and predicts the energy of the nominal
+    bed from them: from the record and the channel table, without knowledge of the actual
+    instruments.
+    """
 
     def __init__(self, condition: Condition, rig: Rig, size: Lengths, row: int, channel: ChannelInfo) -> None:
         acquire = condition.acquire
@@ -42,13 +51,15 @@ class Listener:
         self._codes: list[NDArray[np.int32]] = []
 
     def hear(self, block: Block) -> None:
-        """Take what is needed of a block."""
+        """Store the required samples of a block."""
         first, last = (int(np.clip(edge - block.start, 0, block.count)) for edge in self._range)
         if last > first:
             self._codes.append(block.codes[self._row, first:last].copy())
 
     def scalars(self) -> dict[str, float]:
-        """Return `RECORDED_SCALARS`; 0 where no bed slides by design, nan where there is no such prediction."""
+        """Return `RECORDED_SCALARS`; 0 for beds that do not slide by design, nan if there is no
+        such prediction.
+        """
         bed_name = self._condition.scene.bed
         if bed_name != "layers":
             return dict.fromkeys(RECORDED_SCALARS, 0.0 if bed_name in STILL else float("nan"))
@@ -56,6 +67,8 @@ class Listener:
         volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
         acceleration = on_grid(volts / channel.sensitivity, self._range[0], window)
         step = 1.0 / (self._condition.drive.frequency * window.grid.points)
+        # The certified poles are removed: the rows need the acceleration of the box, not of the
+        # sensor.
         for pole in channel.time_constants:
             acceleration = without_pole(acceleration, pole, step)
         bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))

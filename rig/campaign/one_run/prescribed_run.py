@@ -1,4 +1,4 @@
-"""A run whose motion is prescribed: its stand, its ledger, and what it asks of the exciter."""
+"""A run in prescribed motion: its stand, its ledger, and its utilisation of the exciter."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 class PrescribedRun:
     """The stand of a run, in motion from its first sample.
 
-    motion: of the box; source: its signals, with those of the exciter where the condition records them
+    motion : of the box
+    source : its signals, including those of the exciter if the condition records them
     """
 
     def __init__(self, campaign: Campaign, run: Run) -> None:
@@ -34,26 +35,28 @@ class PrescribedRun:
             self.source = WithExciter(self._stand, campaign.instruments.exciter)
 
     def lead(self, _acquisition: Acquisition, _period: float) -> int:
-        """Return the number of samples before the record: none, the motion is there from the start."""
+        """Return the number of samples before the record: 0, the motion is there from the start."""
         return 0
 
     def ledger(self) -> Array:
-        """Return the rows of the cycles simulated since the last call, in the campaign's columns."""
+        """Return the ledger rows of the cycles simulated since the last call, in the campaign's
+        columns.
+        """
         campaign, rows = self._campaign, self._stand.drain_ledger()
         missing = np.zeros((len(rows), len(COUPLED_COLUMNS) - len(COLUMNS) if campaign.coupled else 0))
         exact = [np.full(len(rows), self._exact())] if campaign.ablate else []
         return np.column_stack([rows, missing, *exact]) if campaign.coupled or exact else rows
 
     def scalars(self) -> dict[str, float]:
-        """Return the fractions of the exciter's limits that are used."""
+        """Return the utilisation of the exciter's limits."""
         found = self._demand().scalars()
         return found | dict.fromkeys(LEVEL_SCALARS, 0.0) if self._campaign.coupled else found
 
     def _demand(self) -> Demand:
-        """Return what the latest cycles ask of the exciter, within the recorded band.
+        """Return the utilisation of the exciter by the latest cycles, within the recorded band.
 
-        Where `fidelity: auto` chose few rows, which hit together, and their peaks exceed a limit, the peaks are those
-        of the same filling with all its rows.
+        If `fidelity: auto` chose few rows, which hit simultaneously, and their peaks exceed a
+        limit, the peaks are those of the same filling with all its rows.
         """
         campaign, run, stand = self._campaign, self._run, self._stand
         use = use_of(campaign.rig, stand)
@@ -66,7 +69,9 @@ class PrescribedRun:
         return with_peaks_of(use, use_of(campaign.rig, steady(full)))
 
     def _exact(self) -> float:
-        """Return what the bed would take on an exact sine of the level reached, J per cycle."""
+        """Return the energy that the bed would dissipate on an exact sine of the level reached, J
+        per cycle.
+        """
         condition = self._run.condition
         filling = filling_of(self._campaign, self._run)
         return exact_energy(condition.scene, self._campaign.rig, self.motion, filling, condition.acquire)

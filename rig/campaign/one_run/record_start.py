@@ -1,4 +1,4 @@
-"""Where a record begins: with the motion, once the level is held, or at a trigger."""
+"""Start of a record: with the motion, once the level is held, or at a trigger."""
 
 import math
 from dataclasses import replace
@@ -16,9 +16,9 @@ from rig.protocol.schedule import Lengths, Run
 
 
 class Beginning:
-    """The blocks of a record, counted from 0, and the ledger from the first whole cycle in it.
+    """The blocks of a record, counted from 0, and the ledger from its first whole cycle on.
 
-    lead: samples that were read of the acquisition before, whole cycles of the drive.
+    lead : number of samples already read from the acquisition, whole cycles of the drive
     """
 
     def __init__(self, acquisition: Acquisition, run: Run, size: Lengths, lead: int) -> None:
@@ -37,7 +37,7 @@ class Beginning:
             self._acquisition, self._lead, self._skip = self._trigger, 0, None
 
     def read(self, samples: int) -> Block:
-        """The next samples of the record. Raises InputError where nothing triggers it."""
+        """Return the next samples of the record. Raises InputError if it is never triggered."""
         try:
             block = self._acquisition.read(samples)
         except NoTrigger as error:
@@ -46,7 +46,7 @@ class Beginning:
         return replace(block, start=block.start - self._lead) if self._lead else block
 
     def of_record(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Ledger rows without those of the cycles that had begun before the record."""
+        """Return the ledger rows without those of cycles that started before the record."""
         if self._skip is None:
             self._skip = math.ceil(self.sample / self._period)
         dropped, self._skip = rows[: self._skip], max(self._skip - len(rows), 0)
@@ -54,9 +54,9 @@ class Beginning:
 
     @property
     def sample(self) -> int:
-        """See `TRIGGER_SCALARS`; 0 without a trigger."""
+        """Value of `TRIGGER_SCALARS`; 0 without a trigger."""
         return 0 if self._trigger is None or self._trigger.first is None else self._trigger.first
 
     def scalars(self) -> dict[str, float]:
-        """What the analysis needs to find the drive's cycles."""
+        """Return the scalars that the analysis needs to find the drive's cycles."""
         return {TRIGGER_SCALARS[0]: float(self.sample)}

@@ -1,7 +1,8 @@
-"""From parts of runs to a session: written by one writer, each run analysed as soon as it is recorded.
+"""From parts of runs to a session: written by one writer, each run analysed as soon as it is
+recorded.
 
-File and analysis are loaded where they are used: a process that computes parts needs neither, and a campaign starts its
-workers before it loads them.
+File access and analysis are imported on demand: a process that computes parts needs neither, and a
+campaign starts its workers before it loads them.
 """
 
 from collections.abc import Callable, Iterable
@@ -17,12 +18,14 @@ if TYPE_CHECKING:
     from analysis.results.run import RunEnergy
     from daq.session.record import Record
     from daq.session.writer import Recorder
-    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.live import LiveUpdate
 
 
 @dataclass(frozen=True)
 class Progress:
-    """A run has been recorded, `done` of `total`, and analysed; energy: None where it cannot be analysed."""
+    """A run that has been recorded and analysed, the `done`-th of `total`; energy : None if it
+    cannot be analysed.
+    """
 
     run: str
     condition: str
@@ -36,9 +39,10 @@ Watch = Callable[[Progress], None]
 
 
 class Analysis:
-    """Energies of a record's runs, each found as soon as it is complete. Runs that cannot be used have none.
+    """Energies of a record's runs, each computed as soon as the run is complete. Unusable runs have
+    none.
 
-    done: runs that were complete before.
+    done : number of runs that were complete before
     """
 
     def __init__(self, record: "Record", watch: Watch, done: int) -> None:
@@ -49,12 +53,12 @@ class Analysis:
         self.energies: dict[str, RunEnergy] = {}
 
     def add(self, part: Part) -> None:
-        """A run is complete: its last part."""
+        """Analyse and report a complete run, given its last part."""
         self.read(part.run)
         self.tell(part)
 
     def read(self, name: str, signal: "SignalOf | None" = None) -> None:
-        """Find a run's energies; signal: what brings its samples, where the record need not be read."""
+        """Compute a run's energies; signal : source of its samples, if not the record."""
         from analysis.pipeline import run_energy
         from analysis.session.record import AnalysisError
 
@@ -62,7 +66,7 @@ class Analysis:
             self.energies[name] = run_energy(self._record, self._record.run(name), signal=signal)
 
     def tell(self, part: Part) -> None:
-        """Tell of a run that has been read: its last part."""
+        """Report a run that has been read, given its last part."""
         self._done += 1
         name, total = part.run, len(self._runs)
         condition, energy = self._record.run(name).condition, self.energies.get(name)
@@ -70,13 +74,17 @@ class Analysis:
 
 
 def record_parts(
-    recorder: "Recorder", parts: Iterable[Part], watch: Watch, look: "Callable[[Look], None] | None" = None
+    recorder: "Recorder", parts: Iterable[Part], watch: Watch, live: "Callable[[LiveUpdate], None] | None" = None
 ) -> "dict[str, RunEnergy]":
-    """Write parts, each run's in order; energies by run name, as read back from the record; `look` hears of blocks."""
+    """Write parts, each run's in order, and return the energies by run name, as read back from the
+    record.
+
+    watch : called after every run; live : called after every block
+    """
     from rig.campaign.one_run.live import Watcher
 
     cycles: dict[str, int] = {}
-    watcher = None if look is None else Watcher(recorder.record(), look)
+    watcher = None if live is None else Watcher(recorder.record(), live)
     reader = Analysis(recorder.record(), watch, len(recorder.completed()))
     for part in parts:
         recorder.append(part.run, part.block)

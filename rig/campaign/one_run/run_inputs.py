@@ -1,4 +1,6 @@
-"""What a run draws from its seed: motion, bed and noise. Seeds hang on content: (seed, condition, repeat, word)."""
+"""Random inputs of a run: motion, bed and noise. Seeds depend on content: (seed, condition, repeat,
+word).
+"""
 
 import numpy as np
 
@@ -12,19 +14,25 @@ from rig.protocol.spec import Scene
 
 
 def random_stream(campaign: Campaign, run: Run, word: str) -> np.random.Generator:
-    """Return the generator of one thing in a run, named by `word`; it depends on nothing else in the campaign."""
+    """Return the random generator of one quantity in a run, named by `word`; it depends on nothing
+    else in the campaign.
+    """
     return stream(campaign.protocol.seed, run.condition.seed_key, str(run.repeat), word)
 
 
 def motion_of(campaign: Campaign, run: Run) -> Waveform:
-    """Return the motion that an ideal waveform controller reaches in a run, on the analyzer's clock."""
+    """Return the motion that an ideal waveform controller reaches in a run, on the analyzer's
+    clock.
+    """
     drive, rig = run.condition.drive, campaign.rig
     rng = None if drive.imperfection == "none" else random_stream(campaign, run, "drive")
     return waveform(drive, rig.level_error, rig.third_harmonic, rng, 1.0 + campaign.instruments.clock_error)
 
 
 def filling_of(campaign: Campaign, run: Run, scene: Scene | None = None) -> Filling:
-    """Return the bed of a run: poured anew for each repeat, or the nominal one. scene: with other rows."""
+    """Return the filling of a run: a refill for each repeat, or the nominal one. scene : with a
+    different number of rows.
+    """
     scene = scene or run.condition.scene
     if not campaign.protocol.repeats.refill:
         return nominal(scene, campaign.rig)
@@ -32,5 +40,7 @@ def filling_of(campaign: Campaign, run: Run, scene: Scene | None = None) -> Fill
 
 
 def oversampled_rate(campaign: Campaign, run: Run) -> float:
-    """Return the rate (Hz) at which a run is simulated: oversampled, on the analyzer's actual clock."""
+    """Return the rate (Hz) at which a run is simulated: oversampled, on the analyzer's actual
+    clock.
+    """
     return OVERSAMPLING * campaign.lengths[run.condition.id].rate * (1.0 + campaign.instruments.clock_error)

@@ -1,1 +1,1 @@
-"""A campaign before it is run: limits, ranges, and what its repeats will be able to decide."""
+"""Preflight of a campaign: limits, ranges, and the decisions that its repeats will allow."""

@@ -1,7 +1,8 @@
-"""Which claims of a protocol its repeats can decide: the report's own tests, on sessions as they are to be expected.
+"""Claims of a protocol that its repeats can decide: the report's own tests on simulated sessions.
 
-Every condition has the energy that was looked at, its refills are drawn from the predicted ones, and instruments are
-as their certificates say. What the tests say in four of five such sessions is expected of the one to come.
+Every condition has the energy of its dry run, refills are drawn from the predicted ones, and
+instruments agree with their certificates. The result of four in five such sessions is expected of
+the real one.
 """
 
 from bisect import bisect_left
@@ -26,18 +27,27 @@ __all__ = ["MOST", "Decision", "Expected", "decisions"]
 UNDECIDED = "undecided"
 MOST = 100
 TRIED = (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, MOST)
-"""Numbers of repeats."""
+"""Trial numbers of repeats."""
 SHARE = 0.8
-"""Of the drawn sessions, in which a claim has to be decided."""
+"""Fraction of the simulated sessions in which a claim must be decided."""
 DRAWN, FEWEST, SEED = 40, 3, 1
-"""Repeats drawn over all sessions of one number of repeats, sessions at least, and the seed."""
+"""Total repeats drawn over all sessions with one number of repeats, least number of sessions, and
+the seed.
+"""
 
 
 @dataclass(frozen=True)
 class Expected:
-    """A condition as it will be measured: facts of the session, energy W that is expected (J per
-    cycle), apparent mass (kg), level (m/s^2), its entry in the prediction document, the samples that
-    count, energies of poured beds over W_T."""
+    """A condition as it is expected to be measured.
+
+    facts : of the session
+    W : expected energy, J per cycle
+    mass : apparent mass, kg
+    level : m/s^2
+    entry : its entry in the prediction document
+    samples : number of analysed samples
+    refills : energies of refilled beds divided by W_T
+    """
 
     facts: Mapping[str, Any]
     W: float
@@ -50,9 +60,13 @@ class Expected:
 
 @dataclass(frozen=True)
 class Decision:
-    """A claim before it is measured. verdict: expected with the protocol's repeats; repeats: fewest of TRIED with which
-    it is decided in `SHARE` of the sessions, None where MOST are not enough; found: what such a session finds; why: in
-    the report's words."""
+    """Forecast of a claim before it is measured.
+
+    verdict : expected with the protocol's repeats
+    repeats : smallest of TRIED with which it is decided in the fraction `SHARE` of the sessions,
+        None if MOST are not enough
+    found, why : of such a session, in the report's words
+    """
 
     claim: str
     verdict: str
@@ -64,41 +78,47 @@ class Decision:
 def decisions(
     claims: Sequence[Mapping[str, Any]], expected: Sequence[Expected], channels: Sequence[ChannelInfo], repeats: int
 ) -> list[Decision]:
-    """Return what can be decided of each claim (entries of `rig.campaign.claim_cases.cases`)."""
+    """Return the forecast of each claim (entries of `rig.campaign.claim_cases.cases`)."""
     if not claims:
         return []
     by_name = {channel.name: channel for channel in channels}
 
     @cache
-    def told(n: int) -> list[list[dict[str, Any]]]:
+    def entries_of(n: int) -> list[list[dict[str, Any]]]:
         """The report's entries of all claims, of each drawn session of n repeats."""
         streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
         return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
 
-    return [_decision(place, claim["claim"], told, repeats) for place, claim in enumerate(claims)]
+    return [_decision(place, claim["claim"], entries_of, repeats) for place, claim in enumerate(claims)]
 
 
-def _decision(place: int, claim: str, told: Callable[[int], list[list[dict[str, Any]]]], repeats: int) -> Decision:
-    """What is decided of the claim at a place, `told` giving the entries of all claims by session."""
+def _decision(
+    place: int, claim: str, entries_of: Callable[[int], list[list[dict[str, Any]]]], repeats: int
+) -> Decision:
+    """Return the forecast of the claim at a place; `entries_of` returns the entries of all claims by
+    session.
+    """
 
     def leading(n: int) -> tuple[str, float, float]:
         """The most frequent verdict with its share of the sessions, and the share that are decided."""
-        found = [session[place]["verdict"] for session in told(n)]
+        found = [session[place]["verdict"] for session in entries_of(n)]
         verdict, count = Counter(found).most_common(1)[0]
         return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)
 
     needed: int | None = None
     if leading(MOST)[2] >= SHARE:
+        # Bisection: more repeats decide more, and each trial costs full sessions.
         needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
     verdict, share, _ = leading(repeats)
     shown = repeats if needed is not None and needed <= repeats else needed or MOST
-    row = next(session[place] for session in told(shown) if session[place]["verdict"] == leading(shown)[0])
+    row = next(session[place] for session in entries_of(shown) if session[place]["verdict"] == leading(shown)[0])
     return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row["found"], row["why"])
 
 
 def _results(
     expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], n: int, rng: np.random.Generator
 ) -> dict[str, Result]:
+    """Return the results of one simulated session of n repeats, by condition."""
     found = {}
     for one in expected:
         setting = Setting.of(one.facts)
@@ -118,7 +138,7 @@ def _results(
 
 
 def _energies(one: Expected, n: int, rng: np.random.Generator) -> list[float]:
-    """W of n repeats, J per cycle: refills drawn from the predicted ones."""
+    """Return W of n repeats, J per cycle: refills drawn from the predicted ones."""
     if n == 1 or not one.refills or one.entry is None:
         return [one.W] * n
     W_T = float(np.median(one.entry["W_T"]))

@@ -1,4 +1,4 @@
-"""A condition simulated without instruments, before it is run."""
+"""Dry run: a condition simulated without instruments, before it is run."""
 
 import time
 from dataclasses import dataclass
@@ -25,14 +25,22 @@ from rig.stand.prescribed import CHUNK_CYCLES, Stand
 Array = NDArray[np.float64]
 
 HELD = 16
-"""Cycles simulated in coupled drive once the level is held: the last half counts."""
+"""Cycles simulated in shaker-coupled drive once the level is held: the last half counts."""
 
 
 @dataclass(frozen=True)
-class Look:
-    """A condition as simulated without instruments: use of the exciter, the same with all rows (see `Outlook`), J per
-    cycle that are taken, level reached in m/s^2, apparent mass in kg, peaks of force (N) and acceleration (m/s^2), wall
-    seconds per cycle, and what keeps the level from being reached ("" for nothing)."""
+class DryRun:
+    """Results of a dry run, without instruments.
+
+    exciter : utilisation of the exciter
+    side_by_side : the same with all rows (see `Outlook`), None if not needed
+    lost : dissipated energy, J per cycle
+    level : reached, m/s^2
+    mass : apparent mass, kg
+    force, acceleration : peaks, N and m/s^2
+    seconds : wall time per cycle
+    stopped : reason why the level is not reached, "" for none
+    """
 
     exciter: Demand
     side_by_side: Demand | None
@@ -45,13 +53,16 @@ class Look:
     stopped: str = ""
 
 
-def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The programmed motion, exact; the exciter solved backwards. Under `fidelity: auto` peaks that exceed a limit are
-    those of all rows, as in its runs."""
+def dry_run_prescribed(campaign: Campaign, condition: Condition, rate: float) -> DryRun:
+    """Run a condition in its exact prescribed motion; the exciter is solved backwards.
+
+    Under `fidelity: auto`, peaks that exceed a limit are those of all rows, as in its runs.
+    """
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     motion = Waveform(drive.frequency, drive.acceleration)
     stand = Stand(scene, rig, motion, nominal(scene, rig), rate)
-    stand.advance()  # loads what is compiled
+    # Loads the compiled kernels: they must not count as simulation time.
+    stand.advance()
     started = time.perf_counter()
     rows = steady(stand).drain_ledger()
     seconds = (time.perf_counter() - started) / (AHEAD * CHUNK_CYCLES)
@@ -62,7 +73,7 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
         more = use_of(rig, steady(Stand(full, rig, motion, nominal(full, rig), rate)))
     if more is not None and condition.id in campaign.choices:
         use, more = with_peaks_of(use, more), None
-    return Look(
+    return DryRun(
         exciter=use,
         side_by_side=more,
         lost=_lost(rows[2 * len(rows) // 3 :]),
@@ -74,10 +85,13 @@ def look_servo(campaign: Campaign, condition: Condition, rate: float) -> Look:
     )
 
 
-def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
-    """The dwell with the bed of its first run, until its level is held, and some cycles more; a sweep from end to end,
-    energies and level at the frequency where it begins. The nominal bed is none of them: its layers are all alike and
-    hit together."""
+def dry_run_coupled(campaign: Campaign, condition: Condition, rate: float) -> DryRun:
+    """Run the dwell of a condition with the bed of its first run until its level is held, plus
+    `HELD` cycles.
+
+    A sweep runs from end to end, with energies and level at its first frequency. The nominal bed
+    would not represent a run: its layers are all alike and hit simultaneously.
+    """
     rig, frequency = campaign.rig, condition.drive.frequency
     started = time.perf_counter()
     first = next(run for run in campaign.runs if run.condition.id == condition.id)
@@ -102,7 +116,7 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
     recorded = _within(last if swept else signals[:2], rate, PASS_BAND * rate / OVERSAMPLING)
     scalars = dwelling.scalars()
     level = abs(acceleration)
-    return Look(
+    return DryRun(
         exciter=dwelling.demand,
         side_by_side=None,
         lost=_lost(rows[: 1 if swept else HELD][0 if swept else HELD // 2 :]),
@@ -116,21 +130,22 @@ def look_coupled(campaign: Campaign, condition: Condition, rate: float) -> Look:
 
 
 def _within(signals: Array, rate: float, band: float) -> Array:
-    """Signals (channels, samples) over whole cycles without what lies above a band (Hz): the peaks of impacts that the
-    anti-alias filter leaves of them."""
+    """Return signals (channels, samples) over whole cycles without components above a band (Hz):
+    the peaks of impacts after the anti-alias filter.
+    """
     spectrum = np.fft.rfft(signals, axis=1)
     spectrum[:, np.fft.rfftfreq(signals.shape[1], 1.0 / rate) > band] = 0.0
     return np.fft.irfft(spectrum, signals.shape[1], axis=1)
 
 
 def _lost(rows: Array) -> float:
-    """What bed and losses take by a ledger, J per cycle."""
+    """Return the energy dissipated in bed and losses by a ledger, J per cycle."""
     means = rows.mean(axis=0)
     return float(sum(means[COLUMNS.index(name)] for name in (*IN_BED, *LOST)))
 
 
 def apparent_mass(stand: Stand, motion: Waveform) -> float:
-    """Re(F A*)/|A|^2 at the fundamental over the latest whole cycles, kg."""
+    """Return Re(F A*)/|A|^2 at the fundamental over the latest whole cycles, kg."""
     force = stand.latest_force
     phase = motion.omega * (np.arange(force.size) + 0.5) / stand.rate
     return float(-2.0 * np.mean(force * np.sin(phase)) / motion.acceleration)

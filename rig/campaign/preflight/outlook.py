@@ -1,4 +1,6 @@
-"""Looking ahead: what each condition asks of exciter, front end and disk, and what its repeats will be able to tell."""
+"""Preflight of each condition: requirements on exciter, front end and disk, and the resolving power
+of its repeats.
+"""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +18,7 @@ from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
 from rig.campaign.preflight.decisions import Decision, Expected, decisions
-from rig.campaign.preflight.dry_run import Look, look_coupled, look_servo
+from rig.campaign.preflight.dry_run import DryRun, dry_run_coupled, dry_run_prescribed
 from rig.drive.exciter_limits import Demand
 from rig.prediction.document import condition_facts, has_level, prediction_document
 from rig.prediction.forecast import forecast
@@ -25,29 +27,32 @@ from rig.protocol.spec import Condition
 Array = NDArray[np.float64]
 
 PEAKS = ("peak", "buckling")
-"""Uses of the exciter that are judged by the peak of the force, which rows that hit together raise."""
+"""Utilisations judged by the peak of the force, which rows that hit simultaneously raise."""
 
 BYTES_PER_SAMPLE = 4
 CONFIDENCE = 0.975
 
 OFFSET = 0.07
-"""Offset from W_T, relative, that the planned number of repeats should tell from none: the paper's."""
+"""Relative offset from W_T that the planned number of repeats should resolve: the paper's."""
 
 MOST_REPEATS = 100
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """One condition before it is run. Energies in J per cycle, W_exp and U as the repeats are expected to give them.
+    """One condition before it is run. Energies in J per cycle; W_exp and U as expected from the
+    repeats.
 
-    exciter : shares of the exciter's limits, `Demand`
-    side_by_side : the same with as many rows as lie side by side, where peaks of the rows that are run exceed a limit;
-        None elsewhere
-    range_force, range_acceleration : peak over the range of the channel
-    stopped : what keeps the level from being reached in coupled drive, "" for nothing
-    W_detect : below it nothing could be claimed; smallest_difference : between two conditions, 95 %
-    repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None where no number up to 100 is enough
-    expected : what the claims are judged on beforehand; None of a sweep
+    exciter : utilisation of the exciter's limits, `Demand`
+    side_by_side : the same with as many rows as lie side by side, if peaks of the simulated rows
+        exceed a limit; else None
+    range_force, range_acceleration : peak as a fraction of the channel's range
+    stopped : reason why the level is not reached in shaker-coupled drive, "" for none
+    W_detect : detection limit of W
+    smallest_difference : resolvable difference between two conditions, 95 %
+    repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None if no number up
+        to 100 is enough
+    expected : input of the claims' forecast; None for a sweep
     """
 
     id: str
@@ -79,8 +84,11 @@ class Outlook:
 
     @property
     def beyond(self) -> tuple[str, ...]:
-        """Ratings of the exciter, fundamental, and of the front end that are exceeded; `peak` is a warning only, and a
-        stinger buckles under as many rows as lie side by side, not under fewer that hit together."""
+        """Exceeded ratings of exciter (fundamental) and front end.
+
+        `peak` is a warning only. A stinger is judged for buckling with as many rows as lie side by
+        side, not with fewer that hit simultaneously.
+        """
         held = {"peak"}
         if self.side_by_side is not None and self.side_by_side.buckling <= 1.0:
             held.add("buckling")
@@ -88,11 +96,13 @@ class Outlook:
 
     @property
     def fails(self) -> tuple[str, ...]:
-        """Of these what would fail the verdict of a run: a level that is not reached, a channel that overloads."""
+        """Those of them that would fail the verdict of a run: a level that is not reached, a
+        channel that overloads.
+        """
         return tuple(flag for name, flag in self._exceeded() if name in ("level", "range"))
 
     def _exceeded(self) -> Iterator[tuple[str, str]]:
-        """Limits that are exceeded, by name, and how to say it."""
+        """Yield the exceeded limits: name and text."""
         if self.stopped:
             yield "level", f"the level is not reached: {self.stopped}"
         for name, share in asdict(self.exciter).items():
@@ -109,42 +119,44 @@ class Outlook:
 
 
 def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
-    """The outlook of every condition, in order."""
+    """Yield the outlook of every condition, in order."""
     with ThreadPoolExecutor(workers) as pool:
         yield from pool.map(lambda condition: outlook(campaign, condition), campaign.conditions)
 
 
 def decided(campaign: Campaign, outlooks: Sequence[Outlook]) -> list[Decision]:
-    """What can be decided of each claim of the protocol."""
+    """Return the forecast of each claim of the protocol."""
     expected = [one.expected for one in outlooks if one.expected is not None]
     channels = campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
     return decisions(cases(campaign.protocol, campaign.conditions), expected, channels, campaign.protocol.repeats.n)
 
 
 def disk(campaign: Campaign) -> int:
-    """Bytes that the session's samples will take."""
+    """Return the size of the session's samples in bytes."""
     samples = sum(campaign.lengths[run.condition.id].samples for run in campaign.runs)
     return samples * BYTES_PER_SAMPLE * len(campaign.instruments.channels)
 
 
 def outlook(campaign: Campaign, condition: Condition) -> Outlook:
-    """Simulate a few cycles of a condition as set, without instruments, and plan its measurement."""
+    """Simulate a few cycles of a condition as set, without instruments, and plan its
+    measurement.
+    """
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     rate = campaign.lengths[condition.id].rate
-    look = (look_coupled if drive.mode == "coupled" else look_servo)(campaign, condition, OVERSAMPLING * rate)
+    dry = (dry_run_coupled if drive.mode == "coupled" else dry_run_prescribed)(campaign, condition, OVERSAMPLING * rate)
     channels = campaign.instruments.table(rate, FILTER_DELAY)
-    reactive = np.pi * look.mass * (look.level / (2.0 * np.pi * drive.frequency)) ** 2
+    reactive = np.pi * dry.mass * (dry.level / (2.0 * np.pi * drive.frequency)) ** 2
     ahead = forecast(condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id))
     point, refills = ahead.point, ahead.refills
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
-    U, difference, needed = _plan(campaign, condition, channels, look, float(reactive), scatter)
+    U, difference, needed = _plan(campaign, condition, channels, dry, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
     entry: dict[str, Any] | None = None
     if has_level(condition):
         document = prediction_document({condition.id: (point, ahead.table)}, {condition.id: refills})
         entry = document["conditions"][condition.id]
     expected = Expected(
-        condition_facts(condition, rig, point, rate), look.lost, look.mass, look.level, entry, samples, refills
+        condition_facts(condition, rig, point, rate), dry.lost, dry.mass, dry.level, entry, samples, refills
     )
     return Outlook(
         id=condition.id,
@@ -155,18 +167,18 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         frequency=drive.frequency,
         acceleration=drive.acceleration,
         samples_per_cycle=rate / drive.frequency,
-        exciter=look.exciter,
-        side_by_side=look.side_by_side,
-        range_force=_range_use(channels[0], look.force),
-        range_acceleration=_range_use(channels[1], look.acceleration),
+        exciter=dry.exciter,
+        side_by_side=dry.side_by_side,
+        range_force=_range_use(channels[0], dry.force),
+        range_acceleration=_range_use(channels[1], dry.acceleration),
         W_T=point.W_T,
-        W_exp=look.lost,
+        W_exp=dry.lost,
         U_W_exp=U,
         W_detect=float(reactive) * angle_uncertainty(channels[0], channels[1], drive.frequency).U,
         smallest_difference=difference,
         repeats_needed=needed,
-        seconds_per_cycle=look.seconds,
-        stopped=look.stopped,
+        seconds_per_cycle=dry.seconds,
+        stopped=dry.stopped,
         expected=None if drive.sweep_to is not None else expected,
     )
 
@@ -175,16 +187,22 @@ def _plan(
     campaign: Campaign,
     condition: Condition,
     channels: tuple[ChannelInfo, ...],
-    look: Look,
+    dry: DryRun,
     reactive: float,
     s: float,
 ) -> tuple[float | None, float | None, int | None]:
-    """Expected U of W_exp and smallest decidable difference of two conditions, J; None where one run shows no
-    scatter. Repeats needed, see Outlook. s: standard deviation of W between refills, J."""
-    n, W = campaign.protocol.repeats.n, look.lost
+    """Return expected U of W_exp and smallest resolvable difference of two conditions, J, and
+    repeats needed (see Outlook).
+
+    The first two are None if one run shows no scatter. s : standard deviation of W between refills,
+    J
+    """
+    n, W = campaign.protocol.repeats.n, dry.lost
     frequency, rate = condition.drive.frequency, campaign.lengths[condition.id].rate
     force, acceleration = channels[:2]
-    tops = float(np.hypot(look.mass * look.level, W * 4.0 * np.pi * frequency**2 / max(look.level, 1e-12))), look.level
+    # Amplitudes of force and acceleration: the force has a part in phase (mass) and one in
+    # quadrature (W).
+    tops = float(np.hypot(dry.mass * dry.level, W * 4.0 * np.pi * frequency**2 / max(dry.level, 1e-12))), dry.level
     lines = (
         *certificate_lines(force, acceleration, frequency, W, reactive, amplitudes=tops),
         *resolution_lines(W, reactive),

@@ -18,7 +18,7 @@ from rig.cli.terminal.tables import number, scaled
 
 if TYPE_CHECKING:
     from rig.campaign.campaign import Campaign
-    from rig.campaign.one_run.live import Look
+    from rig.campaign.one_run.live import LiveUpdate
     from rig.campaign.one_run.recorder import Progress as Step
 
 LINES = 12
@@ -63,7 +63,7 @@ class LiveView:
         self._task = self._bar.add_task("runs", total=sum(line.runs for line in lines.values()), done=0)
         self._done = 0
         self._under_way: dict[str, float] = {}
-        self._latest: Look | None = None
+        self._latest: LiveUpdate | None = None
         self._worst: dict[str, float] = {}
         self._lamps: dict[str, set[str]] = {}
         self.punctuality = NEVER_LATE
@@ -73,7 +73,7 @@ class LiveView:
         """Whether anybody sees single blocks."""
         return self._console.is_terminal
 
-    def look(self, look: "Look") -> None:
+    def look(self, look: "LiveUpdate") -> None:
         """A block has been recorded."""
         self._latest = look
         for name, level in look.levels.items():

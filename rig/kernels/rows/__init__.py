@@ -1,1 +1,1 @@
-"""Compiled rows of grains: alone, together, on a recorded motion, on an exciter."""
+"""Compiled loops for rows of grains: alone, together, on a recorded motion, on an exciter."""

@@ -1,7 +1,7 @@
 """Many independent rows: their steady energy per cycle, and their momentum on a sampling grid.
 
-The loops over rows take their arrays one by one and see them as `borrowed`; a row's memory is a record, whose
-references are not counted either.
+The loops over rows take arrays one by one and view them as `borrowed`; the memory of a row is a
+record, whose references are not counted either.
 """
 
 import math
@@ -12,31 +12,39 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
-from rig.kernels.rows.one_row import Cycle, Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowCycle, RowSet, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 HISTORY = 64
-"""Longest period looked for, in cycles of the drive."""
+"""Longest period that is looked for, in cycles of the drive."""
 
 LONGEST_SPAN = 64
-"""Cycles that a row may take to cross its play: more for a frictionless row in a play of more than 400 X."""
+"""Most cycles that a row may take to cross its play: exceeded by a frictionless row in a play of
+more than 400 X.
+"""
 
 CROSSINGS, FORGETTING = 16, 40
-"""Spans averaged, and spans after which friction alone has left e^-10 of the memory of the start."""
+"""CROSSINGS: number of spans averaged. FORGETTING: number of spans after which friction alone has
+reduced the memory of the start to e^-10.
+"""
 
 STORED_CYCLES = 8
 STORED_EVENTS = 64
-"""What of a steady row is kept to be replayed; longer orbits are simulated on."""
+"""Capacity for the replay of a periodic row, in cycles and events; longer orbits are simulated
+throughout.
+"""
 
 REPEATS = 8
-"""Longest common period of all rows, in cycles, that is told to the caller."""
+"""Longest common period of all rows, in cycles, that is reported to the caller."""
 
 SAME = 1e-10
-"""Two states closer than this, in units of the waveform, are the same state."""
+"""Distance, in units of the waveform, below which two states are identical."""
 
 
-class Grid(NamedTuple):
-    """Sampling edges of some whole cycles: edge j lies at phase 2 pi j / per_cycle from the start of the motion."""
+class EdgeGrid(NamedTuple):
+    """Sampling edges of whole cycles: edge j lies at phase 2 pi j / per_cycle from the start of the
+    motion.
+    """
 
     first_cycle: int
     cycles: int
@@ -59,50 +67,56 @@ MEMORY = np.dtype(
         ("after", np.float64, (STORED_CYCLES, 3)),
     ]
 )
-"""What a row carries from call to call; all zero is a row at rest at the end wall u = 0.
+"""State of a row between calls; all zero is a row at rest at the end wall u = 0.
 
 mode, u, z : its state
 history : states at the start of the latest cycles
-period : of its orbit in cycles, 0 for not found yet, -1 for an orbit with more events than can be stored
+period : of its orbit in cycles, 0 if not found yet, -1 for an orbit with more events than can be
+    stored
 recorded : cycles stored or replayed since the period was found
-phase, event_mode, w : events of one period, cycle n of it those from offset[n] to offset[n + 1]
-energy, after : work, friction and collision of each of these cycles, and the state behind it
+phase, event_mode, w : events of one period; cycle n has those from offset[n] to offset[n + 1]
+energy, after : work, friction and collision of each of these cycles, and the state after it
 """
 
 Memory = NDArray[np.void]
-"""Rows' memories, dtype `MEMORY`, shape (rows,)."""
+"""Memories of the rows, dtype `MEMORY`, shape (rows,)."""
 
 
 @njit(cache=True, nogil=True)
 def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> int:
-    """Smallest period in cycles after which the state at cycle `now` has returned, 0 for none yet."""
+    """Return the smallest period in cycles after which the state at cycle `now` recurs, 0 for none
+    yet.
+    """
     length = history.shape[0]
     for back in range(1, min(now, length) + 1):
         k = (now - back) % length
+        # The mode must be equal, position and velocity equal within round-off.
         if abs(history[k, 1] - u) < SAME and abs(history[k, 2] - z) < SAME and history[k, 0] == mode:
             return back
     return 0
 
 
-def steady_energy(rows: Rows, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
-    """Energy per cycle of rows in their steady state, units of the waveform.
+def steady_energy(rows: RowSet, P: Array, Q: Array, average: int) -> tuple[Array, Array, Ints]:
+    """Return the energy per cycle of rows in their steady state, units of the waveform.
 
-    Rows start at rest at one wall. A row whose state of at most `HISTORY` cycles ago recurs gives the mean over that
-    period, however long it wandered before; any other, the mean over the last `average` of `HISTORY` + `average`
-    cycles; a row in a wide play gets more of both (`_span`).
-    Returns friction, collision, period (0: none), each of shape (rows,); the period is -1 where a row exceeds
-    `MAX_EVENTS`, -2 where its span exceeds `LONGEST_SPAN`.
+    Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean
+    over that period, however long it wandered before. Any other gives the mean over the last
+    `average` of `HISTORY` + `average` cycles; for a row in a wide play both numbers grow (`_span`).
+
+    Returns friction, collision and period (0: none), each of shape (rows,). The period is -1 if a
+    row exceeds `MAX_EVENTS`, -2 if its span exceeds `LONGEST_SPAN`.
     """
     return steady_and_window(rows, P, Q, average, (0, 0))[:3]
 
 
 def steady_and_window(
-    rows: Rows, P: Array, Q: Array, average: int, window: tuple[int, int]
+    rows: RowSet, P: Array, Q: Array, average: int, window: tuple[int, int]
 ) -> tuple[Array, Array, Ints, Array]:
-    """Return what `steady_energy` does, and each row's mean energy per cycle in a window of the very same motion.
+    """Return the results of `steady_energy`, and each row's mean energy per cycle in a window of
+    the same motion.
 
-    window : its first cycle, and the one after its last; the energy has shape (rows,). The rows are at rest when
-    cycle 0 begins, so that this is what a record with so many cycles of settling holds.
+    window : (first cycle, one past the last); the energy has shape (rows,). The rows are at rest
+        when cycle 0 begins, so this is the energy in a record after that many cycles of settling.
     """
     found: tuple[Array, Array, Ints, Array] = _steady_energy(*rows, P, Q, average, *window, no_events())
     return found
@@ -110,9 +124,12 @@ def steady_and_window(
 
 @njit(cache=True, nogil=True, inline="always")
 def _span(band: float, play: float) -> tuple[int, int]:
-    """Cycles that a row thrown at 1 takes to cross its play, or until friction has stopped it after 1/(2 band); and how
-    many of these spans to leave out: friction leaves e^(-pi band) of the memory of the start in each cycle, a plastic
-    hit none."""
+    """Return the cycles of one span, and the number of spans to leave out before averaging.
+
+    A span is the time that a row thrown at speed 1 needs to cross its play, or until friction has
+    stopped it, after 1/(2 band). Friction leaves the fraction e^(-pi band) of the memory of the
+    start in each cycle; a plastic hit leaves none.
+    """
     crosses = 2.0 * band * play < 1.0
     reach = play if crosses else 0.5 / band
     return math.ceil(min(reach / TWO_PI, LONGEST_SPAN + 1.0)), CROSSINGS if crosses else FORGETTING
@@ -140,9 +157,12 @@ def _steady_energy(
         if span > LONGEST_SPAN:
             period[r] = -2
             continue
+        # Wide plays: several crossings must pass before a mean is representative.
         settled, averaged = max(HISTORY, left_out * span), max(average, CROSSINGS * span)
         for n in range(settled + averaged):
             k = n % HISTORY
+            # A recurring state repeats for ever: the mean over one period is exact, and the loop
+            # may end.
             back = find_recurrence(history, n, mode, u, z)
             if back > 0:
                 period[r] = back
@@ -150,6 +170,7 @@ def _steady_energy(
                 for b in range(1, back + 1):
                     friction[r] += losses[(n - b) % HISTORY, 0] / back
                     collision[r] += losses[(n - b) % HISTORY, 1] / back
+                # The rest of the window lies in the periodic part: take it from the stored period.
                 for m in range(max(n, first), last):
                     b = (n - back + (m - n) % back) % HISTORY
                     seen[r] += losses[b, 0] + losses[b, 1]
@@ -157,6 +178,7 @@ def _steady_energy(
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
             after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
+            # More events than can be stored: reported by a negative period.
             if after.events < 0:
                 period[r] = -1
                 break
@@ -167,23 +189,25 @@ def _steady_energy(
                 friction[r] += after.friction / averaged
                 collision[r] += after.collision / averaged
         if period[r] == 0:
+            # Beyond the simulated cycles the mean is the best estimate.
             seen[r] += max(last - max(settled + averaged, first), 0) * (friction[r] + collision[r])
     return friction, collision, period, seen / max(last - first, 1)
 
 
 def follow(
-    grid: Grid, velocity: Array, riding_rows: float, scale: float, rows: Rows, P: Array, Q: Array, memory: Memory
+    grid: EdgeGrid, velocity: Array, riding_rows: float, scale: float, rows: RowSet, P: Array, Q: Array, memory: Memory
 ) -> tuple[Array, Array, int]:
-    """Advance rows through the cycles of a grid and give their total momentum, times `scale`, at its edges.
+    """Advance rows through the cycles of a grid and return their total momentum, times `scale`, at
+    its edges.
 
     velocity : of the box at the edges, units of the waveform, shape (edges,)
-    riding_rows : more rows, which ride all the time
-    memory : changed in place
+    riding_rows : number of additional rows, which ride all the time
+    memory : modified in place
 
-    Returns momentum (edges,), a ledger (cycles, 4) of work on the rows, friction loss, collision loss and kinetic
-    energy at the end of the cycle, and the period in cycles with which everything from the first of these cycles on
-    is replayed: 0 where a row is still simulated or they have no common period up to `REPEATS`, -1 where a row
-    exceeds `MAX_EVENTS`.
+    Returns momentum (edges,); a ledger (cycles, 4) of work on the rows, friction loss, collision
+    loss and kinetic energy at the end of the cycle; and the period in cycles with which everything
+    from the first of these cycles on is replayed. The period is 0 if a row is still simulated or
+    there is no common period up to `REPEATS`, -1 if a row exceeds `MAX_EVENTS`.
     """
     step = np.zeros((velocity.size, 3))
     base = np.zeros((grid.cycles, 3))
@@ -199,7 +223,13 @@ def _follow(
     tables: Array, P: Array, Q: Array, memory: Memory, step: Array, base: Array,
     room: NDArray[np.void],
 ) -> tuple[Array, int]:  # fmt: skip
-    """Ledger of the rows, and the period of all of them (`follow`); adds their velocities to `step` and `base`."""
+    """Return the ledger of the rows and their common period (`follow`); add their velocities to
+    `step` and `base`.
+
+    Between events the velocity of a row is riding * v_box + level + slope * phase. `base` holds the
+    sum of these three coefficients at the start of each cycle, `step` their changes at the edges:
+    summed up in `_momentum`, so that no loop over rows times edges is needed.
+    """
     tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     ledger = np.zeros((cycles, 4))
     events = room[0]
@@ -210,6 +240,7 @@ def _follow(
     for r in range(layer.shape[0]):
         i, row = layer[r], memory[r]
         table = tables[i]
+        # All rows replay: the sum has their least common multiple as its period.
         repeats = _common(repeats, row.period) if row.recorded >= row.period else 0
         for k in range(cycles):
             now = first_cycle + k
@@ -226,6 +257,7 @@ def _follow(
             ledger[k, 0] += after.work
             ledger[k, 1] += after.friction
             ledger[k, 2] += after.collision
+            # Kinetic energy in the laboratory frame: box velocity plus relative velocity.
             ledger[k, 3] += 0.5 * (start_v + after.z) ** 2
             riding, level, slope = _branch(mode, 0.0, w, band[i])
             base[k, 0] += riding
@@ -235,6 +267,7 @@ def _follow(
             for n in range(after.events):
                 edge = math.ceil(now * per_cycle + events.phase[n] * per_phase)
                 new_riding, new_level, new_slope = _branch(events.mode[n], events.phase[n], events.w[n], band[i])
+                # An event after the last edge of the cycle first shows at the next cycle's base.
                 if here <= edge < last:
                     step[edge - origin, 0] += new_riding - riding
                     step[edge - origin, 1] += new_level - level
@@ -245,7 +278,9 @@ def _follow(
 
 @njit(cache=True, nogil=True, inline="always")
 def _common(one: int, other: int) -> int:
-    """Least common multiple of two periods, 0 where one of them is none or it exceeds `REPEATS`."""
+    """Return the least common multiple of two periods, 0 if one of them is none or the result
+    exceeds `REPEATS`.
+    """
     if one <= 0 or other <= 0:
         return 0
     both = one
@@ -258,7 +293,7 @@ def _common(one: int, other: int) -> int:
 
 @njit(cache=True, nogil=True, inline="always")
 def _look_back(row: Any, now: int) -> None:
-    """Find the period of a row's orbit from its state at cycle `now`, unless that is done."""
+    """Find the period of a row's orbit from its state at cycle `now`, unless it is known."""
     if row.period == 0:
         row.period = find_recurrence(row.history, now, row.mode, row.u, row.z)
         h = now % STORED_CYCLES
@@ -266,8 +301,8 @@ def _look_back(row: Any, now: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _replay(row: Any, events: Any) -> Cycle:
-    """The stored cycle of a steady row whose turn it is."""
+def _replay(row: Any, events: Any) -> RowCycle:
+    """Return the cached cycle for the current position in the period."""
     turn = row.recorded % row.period
     begin = row.offset[turn]
     count = row.offset[turn + 1] - begin
@@ -276,15 +311,17 @@ def _replay(row: Any, events: Any) -> Cycle:
         events.mode[n] = row.event_mode[begin + n]
         events.w[n] = row.w[begin + n]
     row.recorded += 1
-    return Cycle(
+    return RowCycle(
         int(row.after[turn, 0]), row.after[turn, 1], row.after[turn, 2], count,
         row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2], 0,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
-def _store(row: Any, after: Cycle, events: Any) -> None:
-    """Keep a cycle of a steady row; one with more events than there is room for is given up."""
+def _store(row: Any, after: RowCycle, events: Any) -> None:
+    """Store a cycle of a periodic row; if its events exceed the capacity, the row is simulated from
+    then on.
+    """
     if row.period <= 0:
         return
     turn = row.recorded % row.period
@@ -304,9 +341,12 @@ def _store(row: Any, after: Cycle, events: Any) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def _branch(mode: int, phase: float, w: float, band: float) -> tuple[float, float, float]:
-    """Velocity of a row behind an event as riding * v_box + level + slope * phase."""
+    """Return (riding, level, slope) of a row's velocity after an event: riding * v_box + level +
+    slope * phase.
+    """
     if mode == 0:
         return 1.0, 0.0, 0.0
+    # Sliding rows are decelerated uniformly, w - mode band (theta - phase).
     slope = -mode * band
     return 0.0, w - slope * phase, slope
 
@@ -315,7 +355,9 @@ def _branch(mode: int, phase: float, w: float, band: float) -> tuple[float, floa
 def _momentum(
     first_cycle: int, cycles: int, per_cycle: float, step: Array, base: Array, velocity: Array, scale: float
 ) -> Array:
-    """Sum the rows' velocities up along each cycle: momentum times `scale` at every edge."""
+    """Return momentum times `scale` at every edge: the running sum of the coefficients along each
+    cycle.
+    """
     out = np.empty(step.shape[0])
     origin = math.ceil(first_cycle * per_cycle)
     for k in range(cycles):

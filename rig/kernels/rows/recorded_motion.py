@@ -1,9 +1,11 @@
-"""Rows of grains in a box whose acceleration is known by samples: straight lines between them, events exact.
+"""Rows of grains in a box whose acceleration is known by samples: linear between them, events
+exact.
 
-A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a free play and a restitution at both
-end walls; u in [0, play] is its position in the box, z = u' its velocity against the box, SI. The laws are those of
-`rig.kernels.rows.one_row`; there the motion is a few harmonics in closed form, here it is whatever was recorded.
-Between two samples z is a parabola and u a cubic in time: a stop is a root of the first, a hit one of the second.
+A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a free play and a
+coefficient of restitution at both end walls; u in [0, play] is its position in the box, z = u' its
+velocity relative to the box, SI units. The laws are those of `rig.kernels.rows.one_row`, where the
+motion is a few harmonics in closed form; here it is arbitrary. Between two samples z is a parabola
+and u a cubic in time: a stop is a root of the first, a hit one of the second.
 """
 
 import math
@@ -15,16 +17,19 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CHATTER = 1e-6
-"""Rebounds slower than this share of the largest velocity of the box end at the wall, as in
-`rig.kernels.rows.one_row`."""
+"""Rebound speed, as a fraction of the largest box velocity, below which a row stays at the wall, as
+in `rig.kernels.rows.one_row`.
+"""
 
 MOST_EVENTS = 200
-"""Events of a row between two samples; a row that needs more ends its chatter there."""
+"""Most events of a row between two samples; a row with more ends its chatter there."""
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _stop(z: float, c: float, j: float, most: float) -> float:
-    """First time in (0, most] at which z + c t + j t^2/2 falls below 0, z >= 0; inf for none."""
+    """Return the first time in (0, most] at which z + c t + j t^2/2 falls below 0, z >= 0; inf for
+    none.
+    """
     if z <= 0.0:
         if c > 0.0 and j < 0.0:
             time = -2.0 * c / j
@@ -35,6 +40,7 @@ def _stop(z: float, c: float, j: float, most: float) -> float:
         return math.inf
     root = math.sqrt(square)
     if c < 0.0:
+        # Both branches avoid the difference of nearly equal numbers.
         time = 2.0 * z / (-c + root)
     elif j < 0.0:
         time = (-c - root) / j
@@ -45,7 +51,11 @@ def _stop(z: float, c: float, j: float, most: float) -> float:
 
 @njit(cache=True, nogil=True)
 def _hit(gap: float, z: float, c: float, j: float, hi: float) -> float:
-    """Time in (0, hi] at which z t + c t^2/2 + j t^3/6 reaches `gap`, which it exceeds at `hi`: Newton in a bracket."""
+    """Return the time in (0, hi] at which z t + c t^2/2 + j t^3/6 reaches `gap`, which it exceeds
+    at `hi`.
+
+    Newton's method in a bracket.
+    """
     lo, t = 0.0, hi
     for _ in range(100):
         over = ((j / 6.0 * t + 0.5 * c) * t + z) * t - gap
@@ -69,25 +79,32 @@ def _hit(gap: float, z: float, c: float, j: float, hi: float) -> float:
 def sampled_energy(
     band: Array, play: Array, restitution: float, acceleration: Array, step: float, settle: int, ramp: int = 0
 ) -> tuple[float, float]:
-    """Friction and collision losses of all rows over the samples of a box acceleration that repeats, J per kg of a row.
+    """Return the friction and collision losses of all rows over one period of a sampled box
+    acceleration, J per kg of a row.
 
     band, play : of each row, m/s^2 and m, shape (rows,)
-    acceleration : at uniform times `step` (s) apart, m/s^2, shape (samples,); the last one joins the first
-    settle : samples at its end that the rows, at rest at one wall, go through before they are counted
-    ramp : samples before those in which the acceleration grows from nothing, in proportion
+    acceleration : at uniform times `step` (s) apart, m/s^2, shape (samples,); it is periodic, the
+        last sample joins the first
+    settle : number of final samples that the rows, initially at rest at one wall, go through before
+        the count begins
+    ramp : number of samples before those, in which the acceleration grows linearly from zero
     """
     n = acceleration.shape[0]
     velocity, drift, fastest = 0.0, acceleration.mean(), 0.0
     for k in range(n):
+        # A mean acceleration would integrate to an endless velocity: only the fluctuation sets the
+        # scale.
         velocity += (acceleration[k] - drift) * step
         fastest = max(fastest, abs(velocity))
     slow = CHATTER * fastest
     largest = np.abs(acceleration).max()
     friction, collision = 0.0, 0.0
     for r in range(band.shape[0]):
+        # The box never exceeds the friction of this row: it rides.
         if band[r] >= largest:
             continue
         mode, u, z = 0, 0.0, 0.0
+        # Negative m: ramp and settling, on the end of the periodic record.
         for m in range(-settle - ramp, n):
             k = m % n
             first, last = acceleration[k], acceleration[(k + 1) % n]
@@ -106,7 +123,9 @@ def _across(
     mode: int, u: float, z: float, band: float, play: float, restitution: float, first: float, last: float,
     step: float, slow: float,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
-    """A row from one sample to the next: mode (0 rides, +1 and -1 slide), u, z, and its losses by friction and hits."""
+    """Advance a row from one sample to the next; returns mode (0 rides, +1 and -1 slide), u, z, and
+    losses by friction and hits.
+    """
     if mode == 0 and abs(first) <= band and abs(last) <= band:
         return 0, u, 0.0, 0.0, 0.0
     rate = (last - first) / step
@@ -120,6 +139,8 @@ def _across(
             elif a > band and u > 0.0:
                 mode = -1
             else:
+                # The linear acceleration reaches the threshold within the interval: the row starts
+                # to slide then.
                 wait = math.inf
                 if last < -band and a >= -band and u < play:
                     wait, mode = (-band - a) / rate, 1
@@ -131,7 +152,10 @@ def _across(
                 thrown = True
         s = float(mode)
         left = step - t
+        # Thrown exactly at the threshold: the net acceleration starts at zero, which round-off must
+        # not turn negative.
         pull = 0.0 if thrown else -band - s * (first + rate * t)
+        # Relative motion along s: constant friction -band, box acceleration -s (first + rate t).
         jerk = -s * rate
         speed = max(s * z, 0.0)
         stop = _stop(speed, pull, jerk, left)
@@ -144,6 +168,7 @@ def _across(
             back = restitution * closing
             if back < slow:
                 back = 0.0
+            # Friction acts over the whole distance to the wall.
             rubbed += band * gap
             struck += 0.5 * (closing * closing - back * back)
             u = play if mode == 1 else 0.0

@@ -1,4 +1,6 @@
-"""How fast rows slip in their steady state: moments of the slip velocity over one cycle, for drag in the voids."""
+"""Moments of the slip velocity of rows over one cycle in their steady state, for the drag in the
+voids.
+"""
 
 import numpy as np
 from numba import njit
@@ -6,23 +8,27 @@ from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import SAME
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion
 
 SETTLE = 8
 AVERAGE = 24
-"""Cycles left out, and cycles averaged behind them, of a row that does not repeat itself from one cycle to the next."""
+"""Cycles left out, and cycles averaged after them, for a row that does not repeat from one cycle to
+the next.
+"""
 
 NODES = 12
 """Gauss points per slide: exact to 1e-9 for a slide of half a cycle."""
 
 
-def slip_moments(rows: Rows, P: Array, Q: Array) -> tuple[float, float, float]:
-    """Integrals of z^2 and |z|^3 over the phase of one cycle, summed over the rows, and the largest |z| of any row.
+def slip_moments(rows: RowSet, P: Array, Q: Array) -> tuple[float, float, float]:
+    """Return the integrals of z^2 and |z|^3 over the phase of one cycle, summed over the rows, and
+    the largest |z| of any row.
 
-    z is the velocity of a row against the box, units of the waveform. Rows start at rest at one wall; a row whose state
-    returns after one cycle counts with that cycle, any other with the mean of `AVERAGE` cycles behind `SETTLE`. A row
-    with more than `MAX_EVENTS` events counts up to there.
+    z is the velocity of a row relative to the box, units of the waveform. Rows start at rest at one
+    wall. A row whose state recurs after one cycle counts with that cycle, any other with the mean
+    of `AVERAGE` cycles after `SETTLE`. A row with more than `MAX_EVENTS` events counts up to that
+    point.
     """
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     second, third, peak = _slip_moments(*rows, P, Q, nodes, weights, no_events())
@@ -47,11 +53,12 @@ def _slip_moments(
                 break
             steady = after.mode == mode and abs(after.u - u) < SAME and abs(after.z - z) < SAME
             if steady or n >= SETTLE:
-                # a row that turns steady stands for all cycles that would still be averaged
+                # A row that becomes periodic represents all remaining cycles of the average.
                 share = min(SETTLE + AVERAGE - n, AVERAGE) / AVERAGE if steady else 1.0 / AVERAGE
                 now, phase, w = mode, 0.0, start_v + z
                 for k in range(after.events + 1):
                     end = events.phase[k] if k < after.events else TWO_PI
+                    # A riding row has no slip.
                     if now != 0:
                         two, three, top = _slide(phase, end, w, now * band[i], P, Q, nodes, weights)
                         second += share * two
@@ -69,7 +76,9 @@ def _slip_moments(
 def _slide(
     begin: float, end: float, w: float, slope: float, P: Array, Q: Array, nodes: Array, weights: Array
 ) -> tuple[float, float, float]:
-    """Integrals of z^2 and |z|^3 over a slide, and its largest |z|: z = w - slope (phase - begin) - v_box."""
+    """Return the integrals of z^2 and |z|^3 over a slide, and its largest |z|: z = w - slope (phase
+    - begin) - v_box.
+    """
     half = 0.5 * (end - begin)
     peak = max(
         abs(w - motion(begin, P, Q)[1]),

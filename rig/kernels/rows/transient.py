@@ -1,4 +1,6 @@
-"""Rows from rest to their steady state: what each takes per cycle in the end, and what all take cycle by cycle."""
+"""Rows from rest to their steady state: final energy per cycle of each, and energy of all in each
+cycle.
+"""
 
 from typing import NamedTuple
 
@@ -8,19 +10,19 @@ from numpy.typing import NDArray
 
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import HISTORY, find_recurrence
-from rig.kernels.rows.one_row import Rows, cycle, no_events
+from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.waveform import Array, Ints
 
 
 class Transient(NamedTuple):
     """Rows over some cycles from rest at one wall, units of the waveform.
 
-    energy : steady energy per cycle of each row, shape (rows,): the mean over its period, of a row without one over the
-        cycles behind the first `HISTORY`
-    period : of each row in cycles, 0 for none, -1 where it exceeds `MAX_EVENTS`
+    energy : steady energy per cycle of each row, shape (rows,): the mean over its period, or,
+        without one, over the cycles after the first `HISTORY`
+    period : of each row in cycles, 0 for none, -1 if it exceeds `MAX_EVENTS`
     work : of the box on all rows in each cycle, shape (cycles,)
     loose : loss of the rows without a period in each cycle, shape (cycles,)
-    simulated : cycles of rows that were simulated; all others are copies of a period
+    simulated : number of row cycles simulated; all others are copies of a period
     """
 
     energy: Array
@@ -30,8 +32,8 @@ class Transient(NamedTuple):
     simulated: int
 
 
-def transient(rows: Rows, P: Array, Q: Array, cycles: int) -> Transient:
-    """Follow rows through their first cycles, more than `HISTORY` of them."""
+def transient(rows: RowSet, P: Array, Q: Array, cycles: int) -> Transient:
+    """Follow rows through their first `cycles` cycles, more than `HISTORY` of them."""
     return Transient(*_transient(*rows, P, Q, cycles, no_events()))
 
 
@@ -54,6 +56,7 @@ def _transient(
         mode, u, z = 0, 0.0, 0.0
         last, back = cycles, 0
         for n in range(cycles):
+            # From a recurrence on, the remaining cycles are copies of the period.
             back = find_recurrence(history, n, mode, u, z)
             if back > 0:
                 last = n
@@ -72,6 +75,8 @@ def _transient(
             continue
         for n in range(last, cycles):
             work[n], lost[n] = work[n - back], lost[n - back]
+        # Mean of the last full period, or of everything after the longest period that is looked
+        # for.
         energy[r] = lost[last - back : last].mean() if back > 0 else lost[HISTORY:].mean()
         total += work
         if back == 0:

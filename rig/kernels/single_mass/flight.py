@@ -1,10 +1,12 @@
-"""One stretch of free motion against a box in programmed motion: closed form without cancellation, bracketed roots.
+"""Free flight of a body relative to a box in prescribed motion: closed form without cancellation,
+bracketed roots.
 
-A body that leaves phase theta0 with velocity u0 against the box and feels a constant force moves against the box by
-d(t) = u0 t + a0 t^2/2 + sum [C_h s(h t) - S_h c(h t)]/h^2, s(y) = y - sin y, c(y) = y^2/2 - 1 + cos y,
-where a0 is the relative acceleration at the start and S_h, C_h are the waveform's harmonics there (`at`). With a0 = 0,
-as at a take-off, d starts like t^3 to full relative accuracy: nothing is left for round-off to fake an impact with.
-Units of the waveform (rig.kernels.waveform).
+A body that leaves phase theta0 with velocity u0 relative to the box and feels a constant force
+moves relative to the box by d(t) = u0 t + a0 t^2/2 + sum [C_h s(h t) - S_h c(h t)]/h^2, s(y) = y -
+sin y, c(y) = y^2/2 - 1 + cos y, where a0 is the relative acceleration at the start and S_h, C_h are
+the waveform's harmonics there (`at`). With a0 = 0, as at a take-off, d starts like t^3 to full
+relative accuracy, so that round-off cannot produce a false impact. Units of the waveform
+(rig.kernels.waveform).
 """
 
 import math
@@ -15,17 +17,19 @@ from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import Array, near_by
 
 MOST_ROOT_STEPS = 200
-"""Bisections that bring any bracket of a cycle below round-off."""
+"""Bisections that reduce any bracket within a cycle to round-off."""
 
 
 LATE = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(8))
 LOW = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(8))
-"""Series of (y - sin y)/y^3 and (y^2/2 - 1 + cos y)/y^4 in y^2: what is left out is below 1e-16 of them for y < 1."""
+"""Taylor series of (y - sin y)/y^3 and (y^2/2 - 1 + cos y)/y^4 in y^2; the relative truncation
+error is below 1e-16 for y < 1.
+"""
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _tail(q: float, series: tuple[float, ...]) -> float:
-    """A polynomial in q, lowest order first, summed in pairs."""
+    """Return a polynomial in q, lowest order first, summed in pairs."""
     square = q * q
     low = (series[0] + q * series[1]) + square * (series[2] + q * series[3])
     high = (series[4] + q * series[5]) + square * (series[6] + q * series[7])
@@ -34,7 +38,9 @@ def _tail(q: float, series: tuple[float, ...]) -> float:
 
 @njit(cache=True, nogil=True, inline="always")
 def at(theta: float, P: Array, Q: Array, S: Array, C: Array) -> tuple[float, float, float]:
-    """Position, velocity and acceleration of the box; fills S = P sin + Q cos, C = P cos - Q sin of each harmonic."""
+    """Return position, velocity and acceleration of the box; fill S = P sin + Q cos, C = P cos - Q
+    sin of each harmonic.
+    """
     x, v, a = 0.0, 0.0, 0.0
     for k in range(P.shape[0]):
         h = k + 1.0
@@ -51,24 +57,30 @@ def at(theta: float, P: Array, Q: Array, S: Array, C: Array) -> tuple[float, flo
 def drift(
     t: float, u0: float, a0: float, S: Array, C: Array
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Displacement, velocity and acceleration against the box, a time t after the start, and derivatives up to 7."""
+    """Return displacement, velocity and acceleration relative to the box at time t after the start,
+    and derivatives up to order 7.
+    """
     d = (u0 + 0.5 * a0 * t) * t
     u = u0 + a0 * t
     a = a0
     jerk, d4, d5, d6, d7 = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(S.shape[0]):
+        # A harmonic that the waveform does not have.
         if S[k] == 0.0 and C[k] == 0.0:
             continue
         h = k + 1.0
         y = h * t
         q = y * y
+        # Series for small angles, where the differences would cancel.
         if y < 1.0:
+            # late = y - sin y, low = y^2/2 - 1 + cos y.
             late = y * q * _tail(q, LATE)
             low = q * q * _tail(q, LOW)
             sine, versine = y - late, 0.5 * q - low
         else:
             sine, versine = math.sin(y), 1.0 - math.cos(y)
             late, low = y - sine, 0.5 * q - versine
+        # The formula of the module's head, and its derivatives by t.
         d += (C[k] * late - S[k] * low) / (h * h)
         u += (C[k] * versine - S[k] * late) / h
         a += C[k] * sine - S[k] * versine
@@ -87,10 +99,11 @@ def drift(
 def reach(
     lo: float, hi: float, guess: float, wall: float, sense: float, u0: float, a0: float, S: Array, C: Array
 ) -> tuple[float, float, float, int]:
-    """When the displacement gets to `wall`, moving up (sense 1) or down (-1); velocity, acceleration then, and steps.
+    """Return the time at which the displacement reaches `wall`, moving up (sense 1) or down (-1);
+    velocity and acceleration then; steps.
 
-    The bracket holds one such passage; what is left to the wall is >= 0 at `lo` and <= 0 at `hi`. Halley's method,
-    safeguarded by bisection.
+    The bracket contains one such passage; the remaining distance is >= 0 at `lo` and <= 0 at `hi`.
+    Halley's method, safeguarded by bisection.
     """
     t = guess
     near = NEAR / S.shape[0]
@@ -123,11 +136,13 @@ def reach(
 def turn(
     lo: float, u_lo: float, hi: float, u_hi: float, u0: float, a0: float, S: Array, C: Array
 ) -> tuple[float, float, int]:
-    """When the relative velocity, of opposite signs at both ends of a bracket in which it is monotonic, is zero.
+    """Return the time at which the relative velocity is zero, the displacement then, and the number
+    of steps.
 
-    Returns that time, the displacement then, and steps.
+    The velocity is monotonic in the bracket and of opposite sign at its ends.
     """
     sense = 1.0 if u_lo > 0.0 else -1.0
+    # Start with the secant.
     t = lo + (hi - lo) * u_lo / (u_lo - u_hi)
     near = NEAR / S.shape[0]
     for n in range(MOST_ROOT_STEPS):

@@ -1,5 +1,7 @@
-"""A slug over many cycles: followed, in its steady state, on a sampling grid (one cycle:
-rig.kernels.single_mass.one_cycle)."""
+"""A single mass over many cycles: followed, in its steady state, on a sampling grid.
+
+For one cycle see rig.kernels.single_mass.one_cycle.
+"""
 
 import math
 from typing import NamedTuple
@@ -11,28 +13,31 @@ from rig.kernels.borrowed import borrowed
 from rig.kernels.single_mass.one_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
 from rig.kernels.waveform import TWO_PI, Array, Ints
 
-__all__ = ["MAX_EVENTS", "Cycles", "State", "Steady", "World", "follow", "no_events", "run", "steady", "world"]
+__all__ = ["MAX_EVENTS", "MassCycles", "MeanCycle", "State", "World", "follow", "no_events", "run", "steady", "world"]
 
 LOOK_BACK = 512
-"""Longest period looked for, in cycles of the drive."""
+"""Longest period that is looked for, in cycles of the drive."""
 
 SAME = 1e-12
-"""Two states closer than this, as a share of the orbit's speed and height, are the same state."""
+"""Distance, as a fraction of the orbit's speed and height, below which two states are identical."""
 
 MOST_IN_ALL = 10_000_000
-"""Events on the way to a mean after which it is given up: some seconds."""
+"""Total number of events after which a mean is given up: some seconds."""
 
 SETTLE, AVERAGE, BATCHES = 1024, 4096, 16
-"""Cycles left out and averaged where an orbit has no period, and parts of the average whose scatter tells its error."""
+"""Cycles left out and averaged for an orbit without a period, and number of batches whose scatter
+gives the standard error.
+"""
 
 
-class Cycles(NamedTuple):
-    """What a slug did in some cycles: a line for each.
+class MassCycles(NamedTuple):
+    """A mass over several cycles, one line per cycle.
 
     state : mode, q, u at its end, shape (cycles, 3)
-    energy : work on the slug, friction, collision, and kinetic with potential energy at its end, shape (cycles, 4)
-    counts : events (-1: more than `MAX_EVENTS`, nothing behind it), steps of root searches, hits of the upper wall,
-        shape (cycles, 3)
+    energy : work on the mass, friction, collision, and kinetic plus potential energy at its end,
+        shape (cycles, 4)
+    counts : events (-1: more than `MAX_EVENTS`, no valid lines after it), steps of root searches,
+        hits of the upper wall, shape (cycles, 3)
     """
 
     state: Array
@@ -40,9 +45,9 @@ class Cycles(NamedTuple):
     counts: Ints
 
 
-def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> Cycles:
-    """Follow a slug from a start at phase 0 through whole cycles."""
-    return Cycles(*_run(*start, world, table, P, Q, no_events(), cycles))
+def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: int) -> MassCycles:
+    """Follow a mass from a start at phase 0 through whole cycles."""
+    return MassCycles(*_run(*start, world, table, P, Q, no_events(), cycles))
 
 
 @njit(cache=True, nogil=True)
@@ -65,13 +70,16 @@ def _run(
     return state, energy, count
 
 
-class Steady(NamedTuple):
-    """A slug's mean cycle in its steady state.
+class MeanCycle(NamedTuple):
+    """Mean cycle of a mass in its steady state.
 
-    period : of its orbit in cycles, 0 where none was found, -1 where it exceeds `MAX_EVENTS` or `MOST_IN_ALL`
-    lid : whether it hits the upper wall; moves : whether it moves in the box at all
-    error : standard error of the mean of the losses, 0 for an orbit with a period
-    window : mean losses over the cycles that were asked for
+    friction, collision : mean losses per cycle
+    period : of its orbit in cycles, 0 if none was found, -1 if it exceeds `MAX_EVENTS` or
+        `MOST_IN_ALL`
+    lid : whether it hits the upper wall
+    moves : whether it moves in the box at all
+    error : standard error of the mean losses, 0 for an orbit with a period
+    window : mean losses over the requested cycles
     """
 
     friction: float
@@ -85,10 +93,12 @@ class Steady(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: bool) -> int:
-    """Smallest period in cycles after which the state at cycle `now` has returned, 0 for none yet.
+    """Return the smallest period in cycles after which the state at cycle `now` recurs, 0 for none
+    yet.
 
-    Lines of `history` are mode, q, u at the start of a cycle and the losses in it. Speeds are held against those of the
-    orbit: a state may lie close to rest in an orbit that does not.
+    Lines of `history` are mode, q, u at the start of a cycle and the losses in it. Velocities are
+    compared on the scale of the orbit, not of the state: a state may be close to rest in an orbit
+    that is not.
     """
     length = history.shape[0]
     lost = 0.0
@@ -97,9 +107,11 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
         lost += history[k, 3] + history[k, 4]
         if history[k, 0] != mode:
             continue
+        # The losses give the scale: sqrt(2 W/m) is of the order of the impact speeds.
         speed = max(abs(u), math.sqrt(2.0 * lost / back))
         if abs(history[k, 2] - u) > SAME * speed:
             continue
+        # Without walls the position has no meaning: only the velocity must recur.
         if not walls or abs(history[k, 1] - q) <= SAME * max(abs(q), speed):
             return back
     return 0
@@ -108,13 +120,14 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
 def steady(
     start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE,
     window: tuple[int, int] = (0, 0),
-) -> Steady:  # fmt: skip
-    """Mean losses per cycle of a slug that starts at phase 0.
+) -> MeanCycle:  # fmt: skip
+    """Return the mean losses per cycle of a mass that starts at phase 0.
 
-    The mean over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never does, the mean over
-    `average` cycles behind the first `settle`. window : the first cycle, and the one after the last, of another mean.
+    The mean is over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never
+    does, over `average` cycles after the first `settle`. window : (first cycle, one past the last)
+    of an additional mean.
     """
-    return Steady(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
+    return MeanCycle(*_steady(*start, world, table, P, Q, no_events(), settle, average, *window))
 
 
 @njit(cache=True, nogil=True)
@@ -124,6 +137,8 @@ def _steady(
 ) -> tuple[float, float, int, bool, bool, float, float]:  # fmt: skip
     harmonics = np.empty((2, P.shape[0]))
     table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    # Columns: mode, q, u at the start of the cycle; friction, collision, hits of the upper wall,
+    # events in it.
     history = np.zeros((LOOK_BACK, 7))
     friction, collision, lid, moves, seen = 0.0, 0.0, False, False, 0.0
     wanted = max(last - first, 1)
@@ -136,6 +151,7 @@ def _steady(
             lost = np.zeros(4)
             for b in range(1, back + 1):
                 lost += history[(n - b) % LOOK_BACK, 3:] / back
+            # The rest of the window lies in the periodic part: take it from the stored period.
             for m in range(max(n, first), last):
                 line = history[(n - back + (m - n) % back) % LOOK_BACK]
                 seen += line[3] + line[4]
@@ -156,7 +172,9 @@ def _steady(
             lid = lid or after.high > 0
             moves = moves or mode != 0 or after.events > 0
             batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
+    # Beyond the simulated cycles the mean is the best estimate.
     seen += max(last - max(settle + average, first), 0) * (friction + collision)
+    # Batch means: the scatter of nearly independent parts gives the error of a correlated series.
     error = float(np.std(batches)) / math.sqrt(BATCHES - 1.0)
     return friction, collision, 0, lid, moves, error, seen / wanted
 
@@ -164,15 +182,17 @@ def _steady(
 def follow(
     first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, start: State, world: World,
     table: Array, P: Array, Q: Array, events: Events,
-) -> tuple[Array, Cycles]:  # fmt: skip
-    """Advance a slug through cycles of a sampling grid: its momentum, times `scale`, at the edges, and the cycles.
+) -> tuple[Array, MassCycles]:  # fmt: skip
+    """Advance a mass through cycles of a sampling grid. Returns its momentum, times `scale`, at the
+    edges, and the cycles.
 
-    Edge j lies at phase 2 pi j / per_cycle from the start of the motion; velocity : of the box there, shape (edges,)
+    Edge j lies at phase 2 pi j / per_cycle from the start of the motion.
+    velocity : of the box at the edges, shape (edges,)
     """
     momentum, state, energy, counts = _follow(
         first_cycle, cycles, per_cycle, velocity, scale, *start, world, table, P, Q, events, *events
     )
-    return momentum, Cycles(state, energy, counts)
+    return momentum, MassCycles(state, energy, counts)
 
 
 @njit(cache=True, nogil=True)
@@ -200,6 +220,7 @@ def _follow(
         e, last = math.ceil(offset), math.ceil((first_cycle + k + 1) * per_cycle)
         for n in range(after.events + 1):
             end = min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last) if n < after.events else last
+            # Between events the laboratory velocity changes uniformly by weight and friction.
             slope = -(world.weight + before * world.band)
             for j in range(e, end):
                 now = TWO_PI * (j - offset) / per_cycle

@@ -1,1 +1,1 @@
-"""The paper itself: its equations as printed, its errata, its studies."""
+"""The paper itself: its equations as printed, its errata, its parameter studies."""

@@ -1,4 +1,6 @@
-"""The errata of the paper, each with numbers of the printed and the corrected form, computed when asked for."""
+"""The errata of the paper, with numbers of the printed and the corrected form, computed
+on request.
+"""
 
 import math
 
@@ -26,13 +28,15 @@ __all__ = ["Array", "errata", "random_hits"]
 Array = NDArray[np.float64]
 
 SAMPLE = 100_000
-"""Random hits behind a share: its standard error is below 0.2 %."""
+"""Random hits per fraction: its standard error is below 0.2 %."""
 
 SEED = 2015
 
 
 def errata() -> tuple[Erratum, ...]:
-    """Every equation and sentence of the paper that was checked, in its order; `holds` tells the right ones."""
+    """Return every equation and sentence of the paper that was checked, in its order; `holds` marks
+    the right ones.
+    """
     return (
         *_friction(),
         *_basis(),
@@ -46,14 +50,16 @@ def errata() -> tuple[Erratum, ...]:
 
 
 def random_hits(rng: np.random.Generator, hits: int, ratio: float, friction: float) -> tuple[Array, ...]:
-    """m1, m2, e, mu, velocities (l, m, n of 1, then of 2) of approaching pairs in local coordinates.
+    """Return m1, m2, e, mu and velocities (l, m, n of 1, then of 2) of approaching pairs in local
+    coordinates.
 
-    m1 = 1 kg, m2/m1 log-uniform in [1/ratio, ratio], e uniform in [0, 1], mu uniform in [0, friction], velocities
-    normal.
+    m1 = 1 kg, m2/m1 log-uniform in [1/ratio, ratio], e uniform in [0, 1], mu uniform in [0,
+    friction], velocities normal.
     """
     m2 = np.exp(rng.uniform(-np.log(ratio), np.log(ratio), hits))
     e, mu = rng.uniform(0.0, 1.0, hits), rng.uniform(0.0, friction, hits)
     v = rng.standard_normal((hits, 6))
+    # Body 1 lies on the negative side: its normal velocity must be the larger one for an approach.
     v[:, 0], v[:, 3] = np.maximum(v[:, 0], v[:, 3]), np.minimum(v[:, 0], v[:, 3])
     return np.ones(hits), m2, e, mu, v
 
@@ -188,6 +194,7 @@ def _chain() -> tuple[Erratum, ...]:
 
 
 def _off_diagonal(axes: Array) -> Array:
+    """Return the cosines between the axes of each basis; 0 for an orthogonal one."""
     return np.asarray(np.einsum("pij,pkj->pik", axes, axes)[:, [0, 0, 1], [1, 2, 2]])
 
 
@@ -199,13 +206,16 @@ def _corrected(hits: tuple[Array, ...]) -> Array:
 
 
 def _gaining(hits: tuple[Array, ...], after: Array) -> float:
+    """Return the fraction of the hits whose kinetic energy grows."""
     m1, m2, _, _, v = hits
     before = literal.kinetic_energy(m1, m2, v)
     return float(np.mean(literal.kinetic_energy(m1, m2, after) > before * (1.0 + 1e-9)))
 
 
 def _uncapped_gain(e: float, mu: float) -> tuple[float, float]:
-    """Energy after over before of equal masses with vanishing slip: Coulomb's impulse in full, and capped."""
+    """Return energy after over before of equal masses with vanishing slip: Coulomb's impulse in
+    full, and capped.
+    """
     w, m_r = 2.0, 0.5
     before = 0.5 * m_r * w**2
     push = mu * m_r * (1.0 + e) * w

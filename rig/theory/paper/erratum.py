@@ -1,15 +1,18 @@
-"""One line of the errata."""
+"""One entry of the errata."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Erratum:
-    """A statement of the paper, as printed and corrected, with a number of each.
+    """A statement of the paper, as printed and corrected, each with a number.
 
-    equation : where in the paper; subject : what the numbers are; printed, corrected : both forms in words
-    printed_value, corrected_value : in `unit`, None where the printed form gives no number
-    holds : whether the statement holds as printed; note : what else there is to say
+    equation : its place in the paper
+    subject : the quantity that the numbers give
+    printed, corrected : both forms in words
+    printed_value, corrected_value : in `unit`, None if the printed form gives no number
+    holds : whether the statement holds as printed
+    note : further remarks
     """
 
     equation: str

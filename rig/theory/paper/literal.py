@@ -1,4 +1,4 @@
-"""What the paper prints, where that is wrong: kept to show what it does, used by nothing that predicts.
+"""The paper's wrong equations as printed: kept to show their effect, used by no prediction.
 
 Each function names the corrected one. `rig model --study errata` puts numbers of both side by side.
 """
@@ -23,9 +23,10 @@ def friction_energy(
     saturation_length: float,
     wall_friction: float | None = None,
 ) -> float:
-    """Eq 5 with its h_i = w H read as printed, J: every layer at the depth of the whole bed.
+    """Return eq 5 with h_i = w H as printed, J: every layer at the depth of the whole bed.
 
-    wall_friction : given, mu_i in the exponent is read as mu_p as well; None leaves mu_s there.
+    wall_friction : mu_s; if given, mu_i in the exponent is read as mu_p; None leaves mu_s there
+
     Corrected: `rig.theory.friction.friction_energy_per_slip`.
     """
     depth = layers * diameter
@@ -37,9 +38,10 @@ def friction_energy(
 
 
 def local_axes(normal: ArrayLike) -> Array:
-    """The l, m, n axes of eq 7 as rows, shape (pairs, 3, 3): m is not normal to l, and both are 0/0 for a vertical l.
+    """Return the l, m, n axes of eq 7 as rows, shape (pairs, 3, 3).
 
-    Corrected: `rig.theory.collision.local_axes`.
+    m is not normal to l, and both tangents are 0/0 for a vertical l. Corrected:
+    `rig.theory.collision.local_axes`.
     """
     l_axis = np.asarray(normal, dtype=np.float64)
     a, b, c = l_axis[..., 0], l_axis[..., 1], l_axis[..., 2]
@@ -53,10 +55,11 @@ def local_axes(normal: ArrayLike) -> Array:
 def matrices(
     mass1: ArrayLike, mass2: ArrayLike, restitution: ArrayLike, lambda1: ArrayLike, lambda2: ArrayLike
 ) -> tuple[Array, Array]:
-    """A and B of eq 11 as printed, shape (pairs, 6, 6): V = A^-1 B v in local coordinates (l, m, n of 1, then of 2).
+    """Return A and B of eq 11 as printed, shape (pairs, 6, 6): V = A^-1 B v in local coordinates
+    (l, m, n of 1, then of 2).
 
-    Rows 1 to 3 (momentum) are right. Row 4 of B lets the pair approach still after the hit; rows 5 and 6 have the sign
-    of friction reversed, row 5 the wrong mass too.
+    Rows 1 to 3 (momentum) are right. With row 4 of B the pair still approaches after the hit; rows
+    5 and 6 have the sign of friction reversed, row 5 also the wrong mass.
     """
     m1, m2, e, one, two = (
         np.asarray(value, dtype=np.float64)
@@ -81,7 +84,8 @@ def collide(
     friction: ArrayLike,
     before: ArrayLike,
 ) -> Array:
-    """Velocities after the hit by eqs 9 to 11 as printed, shape (pairs, 6), from those before in local coordinates.
+    """Return the velocities after the hit by eqs 9 to 11 as printed, shape (pairs, 6), from those
+    before in local coordinates.
 
     |lambda| = mu, its sign by eq 9 with sgn(0) = 1. Corrected: `rig.theory.collision.collide`.
     """
@@ -96,29 +100,36 @@ def collide(
 
 
 def printed_sign(value: ArrayLike) -> Array:
-    """Eq 9, its first line at 0: +1. Corrected: `rig.theory.collision.sign`."""
+    """Return the sign by eq 9, at 0 by its first line: +1. Corrected:
+    `rig.theory.collision.sign`.
+    """
     return np.asarray(np.where(np.asarray(value) >= 0.0, 1.0, -1.0))
 
 
 def kinetic_energy(mass1: ArrayLike, mass2: ArrayLike, velocities: ArrayLike) -> Array:
-    """Energy of the pair in local coordinates, J, shape (pairs,)."""
+    """Return the kinetic energy of the pair in local coordinates, J, shape (pairs,)."""
     v = np.asarray(velocities, dtype=np.float64)
     m1, m2 = np.asarray(mass1, dtype=np.float64), np.asarray(mass2, dtype=np.float64)
     return np.asarray(0.5 * (m1 * np.sum(v[..., :3] ** 2, axis=-1) + m2 * np.sum(v[..., 3:] ** 2, axis=-1)))
 
 
 def moved(position: float, before: float, after: float, step: float) -> float:
-    """Eqs 12 and 19 a, b, m: the mean of both velocities over the step, whenever in it the hit was."""
+    """Return the position by eqs 12 and 19 a, b, m: the mean of both velocities, at whatever time
+    in the step the hit was.
+    """
     return position + 0.5 * (before + after) * step
 
 
 def compression_slip(slip: float, normal_velocity: float, friction: float) -> float:
-    """Eq 14, m/s: with z' < 0 on approach the slip grows. Corrected: `rig.theory.wall.compression_slip`."""
+    """Return eq 14, m/s: with z' < 0 on approach the slip grows. Corrected:
+    `rig.theory.wall.compression_slip`.
+    """
     return slip - friction * normal_velocity
 
 
 def slip_after(slip: float, normal_velocity_after: float, friction: float, restitution: float) -> float:
-    """Eq 18, m/s, `slip` standing for the unknown on its right side: from eq 14 corrected, or from before the hit.
+    """Return eq 18, m/s; `slip` replaces the unknown on its right side: from eq 14 corrected, or
+    from before the hit.
 
     Corrected: `rig.theory.wall.slip_after`.
     """
@@ -126,24 +137,28 @@ def slip_after(slip: float, normal_velocity_after: float, friction: float, resti
 
 
 def wall_restitution(wall_before: float, wall_after: float, grain_before: float, grain_after: float) -> float:
-    """Eq 17 with its capital letters above and below: -1 (V1l, V2l after the hit; what was before does not enter).
+    """Return eq 17 with its capital letters in numerator and denominator: -1 for any velocities.
 
-    Corrected: `rig.theory.wall.wall_restitution`.
+    V1l, V2l are after the hit; the velocities before it do not enter. Corrected:
+    `rig.theory.wall.wall_restitution`.
     """
     del wall_before, grain_before
     return (wall_after - grain_after) / (grain_after - wall_after)
 
 
 def height_after(height: float, radius: float, hits: int) -> float:
-    """Eq 19c applied at each of `hits` hits, m: z = z0 + r. Corrected: `rig.theory.wall.position_after`."""
+    """Return eq 19c applied at each of `hits` hits, m: z = z0 + r. Corrected:
+    `rig.theory.wall.position_after`.
+    """
     return height + hits * radius
 
 
 def first_wave_loss(masses: ArrayLike, restitution: float, first_velocity: float) -> float:
-    """Eq 23 as printed, J: the drop of each grain's own energy at the hit in which it is the striker, plus the last's.
+    """Return eq 23 as printed, J: each grain's own energy drop in the hit in which it is the
+    striker, summed.
 
-    Grain n has v_n before it strikes and (m - e m')/(m + m') v_n after; nothing is set against that for the one struck.
-    Corrected: `rig.theory.chain.first_wave_loss`.
+    Grain n has v_n before it strikes and (m - e m')/(m + m') v_n after; the energy gained by the
+    struck grain is not credited. Corrected: `rig.theory.chain.first_wave_loss`.
     """
     m = np.asarray(masses, dtype=np.float64)
     struck = chain_velocities(m, restitution, first_velocity)[:-1]

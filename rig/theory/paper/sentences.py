@@ -1,4 +1,4 @@
-"""What the paper's text says of its Figs. 5 to 8 and of its test, against what its equations give."""
+"""Statements of the paper's text on its Figs. 5 to 8 and its test, compared with its equations."""
 
 from itertools import pairwise
 
@@ -12,13 +12,13 @@ WALL, JANSSEN, GRAIN, DENSITY, GRAVITY = 0.45, 0.7, 0.25, 1650.0, 9.80665
 """mu_s, K_p, mu_p and bulk density (kg/m^3) of section 4.1; standard gravity, m/s^2."""
 
 CAVITY = (0.15, 0.15, 0.4)
-"""The tested box, m: along the drive, across, deep."""
+"""The tested box, m: length along the drive, width, height."""
 
 RESTITUTIONS = (0.25, 0.45, 0.65, 0.85)
 QUOTED_STRESS, QUOTED_DEPTH = 4752.0, 1.35
 QUOTED_SHARE, QUOTED_GRAIN = 0.06, 7
 PAPER_GRAVITY = 9.81
-"""m/s^2, with which 4752 Pa comes out in whole millimetres of the box; the paper states none."""
+"""Gravity, m/s^2, for which 4752 Pa gives a box in whole millimetres; the paper states none."""
 
 SHAPE = QUOTED_STRESS * 2.0 * WALL * JANSSEN / (DENSITY * PAPER_GRAVITY)
 """L1 L2/(L1 + L2) of a box whose deepest stress is the quoted one, m."""
@@ -28,7 +28,7 @@ BASE = 2.0 * SHAPE
 
 
 def friction_claims() -> tuple[Erratum, ...]:
-    """Sentences of section 4.1."""
+    """Return the checked sentences of section 4.1."""
     tested = janssen_length(CAVITY[0], CAVITY[1], WALL, JANSSEN)
     quoted = janssen_length(BASE, BASE, WALL, JANSSEN)
     at_depth = float(janssen_stress(QUOTED_DEPTH, DENSITY, PAPER_GRAVITY, quoted))
@@ -59,7 +59,7 @@ def friction_claims() -> tuple[Erratum, ...]:
 
 
 def collision_claims() -> tuple[Erratum, ...]:
-    """Sentences of section 4.2."""
+    """Return the checked sentences of section 4.2."""
     seventh = [float(chain_velocities(np.ones(QUOTED_GRAIN), e, 1.0)[-1]) for e in RESTITUTIONS]
     needed = 2.0 * QUOTED_SHARE ** (1.0 / (QUOTED_GRAIN - 1)) - 1.0
     grain = 1.0 + np.log(QUOTED_SHARE) / np.log((1.0 + 0.65) / 2.0)
@@ -87,7 +87,7 @@ def collision_claims() -> tuple[Erratum, ...]:
 
 
 def rig_claims() -> tuple[Erratum, ...]:
-    """Sentences about the tested box and its grains."""
+    """Return the checked sentences about the tested box and its grains."""
     volume = CAVITY[0] * CAVITY[1] * CAVITY[2]
     one_mm, four_mm = (0.60 * 0.85 * volume / (np.pi / 6.0 * d**3) for d in (1e-3, 4e-3))
     return (
@@ -104,6 +104,7 @@ def _saturated(length: float, width: float) -> float:
 
 
 def _quadruple() -> float:
+    """Return the ratio of the first-wave losses at wall speeds of 1 and 0.5 m/s."""
     one, two = (first_wave_loss(np.ones(37), 0.65, first_grain_velocity(V, 0.65)) for V in (0.5, 1.0))
     return two / one
 

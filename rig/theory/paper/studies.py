@@ -1,8 +1,10 @@
-"""The paper's parametric figures (5 to 8) as plain numbers, each with what the paper says of it and whether it holds.
+"""The paper's parametric figures (5 to 8) as plain numbers, each with the paper's statement and
+whether it holds.
 
-A study is a dict {"study", "panels", "rows"}. A panel: {"name", "title", "paper", "x", "y", "legend", "curves",
-"marks"}; x: {"label", "unit", "values"}; y: {"label", "unit"}; a curve: {"label", "values"}; a mark: {"label", "x",
-"y", "holds"}. Rows: see `rig.theory.paper.erratum.Erratum`, here one per sentence of the paper. SI units.
+A study is a dict {"study", "panels", "rows"}. A panel: {"name", "title", "paper", "x", "y",
+"legend", "curves", "marks"}; x: {"label", "unit", "values"}; y: {"label", "unit"}; a curve:
+{"label", "values"}; a mark: {"label", "x", "y", "holds"}. Rows: see
+`rig.theory.paper.erratum.Erratum`, here one per sentence of the paper. SI units.
 """
 
 from collections.abc import Callable
@@ -37,22 +39,28 @@ Study = dict[str, Any]
 ASPECTS = (1.0, 1.5, 2.0, 3.0, 4.0)
 FILLS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 1.0)
 LAYER_MASS = 0.6 * 7900.0 * 0.15 * 0.34 * 0.004
-"""Mass of the first layer of grains at the struck wall, kg: rho_b L2 w H d of the tested box, steel, 4 mm, 85 %."""
+"""Mass of the first layer of grains at the struck wall, kg: rho_b L2 w H d of the tested box,
+steel, 4 mm, 85 %.
+"""
 
 FILE = 37
-"""Grains of 4 mm along 150 mm."""
+"""Number of 4 mm grains along 150 mm."""
 
 FOLLOWED = 7
-"""Grains up to which a collapse is followed hit by hit (some 10^4 of them); a contact duration ends longer ones."""
+"""Largest number of grains for which a collapse is followed hit by hit (some 10^4 of them); longer
+ones are ended by a contact duration.
+"""
 
 
 def study(name: str) -> Study:
-    """A study by name: friction, collision or errata."""
+    """Return a study by name: friction, collision or errata."""
     return STUDIES[name]()
 
 
 def friction_study() -> Study:
-    """Stress over depth and aspect ratio (Fig. 5), over depth and fill (Fig. 6), and eq 3's sentences."""
+    """Return stress over depth and aspect ratio (Fig. 5), over depth and fill (Fig. 6), and the
+    sentences on eq 3.
+    """
     depth = np.linspace(0.0, 1.5, 151)
     fixed_width = [(f"{a:g}", _stress(depth, a * BASE, BASE)) for a in ASPECTS]
     fixed_width.append(("tested box", _stress(depth, CAVITY[0], CAVITY[1])))
@@ -80,7 +88,9 @@ def friction_study() -> Study:
 
 
 def collision_study() -> Study:
-    """Velocity along the chain (Fig. 7), collision energy (Fig. 8), and what is left when all hits are counted."""
+    """Return velocity along the chain (Fig. 7), collision energy (Fig. 8), and the loss in all hits
+    until separation.
+    """
     number = np.arange(1.0, 21.0)
     decay = [(f"{e:g}", chain_velocities(np.ones(20), e, 1.0)) for e in RESTITUTIONS]
     quoted = {
@@ -116,7 +126,7 @@ def collision_study() -> Study:
 
 
 def errata_study() -> Study:
-    """Every erratum of equations and text with its numbers; no panels."""
+    """Return every erratum of equations and text with its numbers; no panels."""
     return {"study": "errata", "panels": [], "rows": [asdict(row) for row in errata()]}
 
 
@@ -132,7 +142,7 @@ def _stress(depth: Array, length: float, width: float) -> Array:
 
 
 def _wall_and_wave(e: float, speed: float) -> float:
-    """Loss at one struck wall, J, with e0 = e."""
+    """Return the loss at one struck wall, J, with e0 = e."""
     wave = first_wave_loss(np.full(FILE, LAYER_MASS), e, first_grain_velocity(speed, e))
     return wave + wall_loss(LAYER_MASS, e, speed)
 
@@ -142,7 +152,9 @@ def _over_restitution(e_axis: Array, grains: int, first: Callable[[float], float
 
 
 def _whole_loss(grains: int, e: float) -> float:
-    """Share of the energy that a row of unit grains, thrown onto a wall of e0 = 0.75, loses in all its hits."""
+    """Return the fraction of the energy that a row of unit grains, thrown onto a wall of e0 = 0.75,
+    loses in all its hits.
+    """
     after = chain_collision(
         np.ones(grains), e, -1.0, restitution_wall=0.75, contact_time=0.0 if grains <= FOLLOWED else 1e-4
     )

@@ -7,7 +7,7 @@ import pytest
 from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
 from rig.benchmarks.hard.suite import CASES, outcome
 from rig.benchmarks.stability import PAGE, differences, page
-from rig.theory.single_mass import Slug, slug_total
+from rig.theory.single_mass import SingleMass, slug_total
 from rig.theory.total import TooManyEvents
 
 
@@ -23,7 +23,7 @@ def test_the_case_holds(case: Case) -> None:
 def test_bouncing_for_hours_is_given_up_by_name() -> None:
     """Each cycle has fewer events than are refused; the mean would need 1e8 of them. Fast twin: the tiny gap."""
     with pytest.raises(TooManyEvents):
-        slug_total(Slug(1.0, 0.0, 1e-10, 0.0, 0.0, 1.0, 0.0, 0.0), 5.0, 20.0)
+        slug_total(SingleMass(1.0, 0.0, 1e-10, 0.0, 0.0, 1.0, 0.0, 0.0), 5.0, 20.0)
 
 
 def test_names_are_unique() -> None:

@@ -9,8 +9,8 @@ from rig.beds.coupled_step import TWO_WAY, TwoWay
 from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
 from rig.drive.amplifier_command import Command
-from rig.kernels.rows.dozing import LEAST_ROWS, SLACK, doze, herd, wake
-from rig.kernels.rows.pages import paged, unpaged
+from rig.kernels.rows.sleeping import LEAST_ROWS, SLACK, fall_asleep, population, wake
+from rig.kernels.rows.tiles import from_tiles, to_tiles
 from rig.protocol.spec import Drive, Scene
 from rig.stand.ledger import COLUMNS
 from rig.stand.shaker import CoupledStand
@@ -54,10 +54,10 @@ def test_who_dozes_slides_on_and_meets_no_wall() -> None:
     n, ahead, slack, speed = 500, 6e-4, 0.01, 0.03
     w, band, play = rng.normal(0.0, 0.05, n), rng.uniform(0.1, 3.0, n), rng.uniform(1e-4, 2e-3, n)
     u = rng.uniform(0.0, 1.0, n) * play
-    flock = herd(paged(w, u, -band, band, band, play), np.uint64(n))
-    flock.nap[SLACK] = slack
-    count = int(doze(0.0, speed, ahead, 0.0, np.uint64(n), flock))
-    awake = {int(place) for place in flock.whose[:count]}
+    grouped = population(to_tiles(w, u, -band, band, band, play), np.uint64(n))
+    grouped.sleep[SLACK] = slack
+    count = int(fall_asleep(0.0, speed, ahead, 0.0, np.uint64(n), grouped))
+    awake = {int(place) for place in grouped.places[:count]}
     asleep = np.array([k not in {i // (64 * 9) * 64 + i % (64 * 9) for i in awake} for k in range(n)])
     z = speed - w
     toward = np.sign(z) * band
@@ -71,10 +71,10 @@ def test_who_dozes_slides_on_and_meets_no_wall() -> None:
     )
     assert (asleep == certain).all()
     assert 50 < asleep.sum() < n
-    flock.nap[0] = ahead
-    heat = wake(speed * ahead, 1e-4, 0.0, np.uint64(n), np.uint64(count), flock)
+    grouped.sleep[0] = ahead
+    heat = wake(speed * ahead, 1e-4, 0.0, np.uint64(n), np.uint64(count), grouped)
     after, place = w.copy(), u.copy()
-    unpaged(flock.everyone, after, place, -band, band.copy())
+    from_tiles(grouped.all_rows, after, place, -band, band.copy())
     way = speed * ahead - (w + 0.5 * toward * ahead) * ahead
     assert after == pytest.approx(np.where(asleep, w + toward * ahead, w), rel=1e-15)
     assert place == pytest.approx(np.where(asleep, u - way, u), abs=1e-18)
