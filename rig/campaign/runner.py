@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import islice, zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from daq.whole_files import mark_unfinished
 from rig.campaign.campaign import Campaign
@@ -24,6 +24,7 @@ from rig.protocol.load import dump_protocol
 from rig.protocol.spec import Protocol
 
 if TYPE_CHECKING:
+    from analysis.results.report import Report
     from rig.campaign.one_run.live import Look
 
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
@@ -40,7 +41,7 @@ def run(
     progress: Watch = lambda _: None,
     look: "Callable[[Look], None] | None" = None,
     executor: Executor | None = None,
-) -> dict[str, Any]:
+) -> "Report":
     """The main job: run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report there;
     returns the report.
 
