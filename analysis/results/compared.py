@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from analysis.session.record import AnalysisError
 from daq.documents.classes import DocumentError, from_document, to_document
-from daq.documents.shapes import Either, List, Null, Number, Text
+from daq.documents.shapes import List, Number, Text
 
 __all__ = ["SCHEMA", "ComparedPair", "ComparedSession", "Comparison", "OverallDifference", "RankOrder", "Unmatched"]
 
@@ -96,7 +96,7 @@ class RankOrder:
 
     n: Count
     tau: Tau
-    interval: Annotated[tuple[float, float] | None, Either(Null(), List(TAU, 2, 2))]
+    interval: Annotated[tuple[float, float] | None, List(TAU, 2, 2)]
     orders: Count
     opposite: Count
     decided_opposite: tuple[str, ...]

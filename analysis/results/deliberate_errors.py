@@ -95,11 +95,11 @@ class MistakeRow:
 
     id: str
     W_exp: float
-    W_true: float | None = None
-    eta: float | None = None
-    error: float | None = None
-    predicted: float | None = None
-    ratio: float | None = None
+    W_true: float | None
+    eta: float | None
+    error: float | None
+    predicted: float | None
+    ratio: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ def _row(result: Result, mistake: DeliberateMistake, channels: Mapping[str, Chan
     found, name = result.W_exp.value, result.setting.id
     true = _true(result, mistake.kind)
     if true is None or not true > NOTHING * abs(result.mean("reactive")):
-        return MistakeRow(name, found, true)
+        return MistakeRow(name, found, true, None, None, None, None)
     eta = true / result.mean("reactive")
     error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
     return MistakeRow(name, found, true, eta, error, predicted, error / predicted if predicted else None)
