@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from analysis.pipeline import read_session, run_energy
     from analysis.report.files import write_report
     from analysis.report.two_sessions import write_comparison
+    from analysis.results.compared import Comparison
+    from analysis.results.report import Report
     from analysis.results.run import RunEnergy
     from analysis.session.record import AnalysisError, Record
     from analysis.session.setting import Setting
@@ -23,9 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AnalysisError",
+    "Comparison",
     "Energy",
     "Estimate",
     "Record",
+    "Report",
     "RunEnergy",
     "Setting",
     "agreement",
@@ -39,9 +43,11 @@ __all__ = [
 
 _HOME = {
     "AnalysisError": "analysis.session.record",
+    "Comparison": "analysis.results.compared",
     "Energy": "analysis.energy.energies",
     "Estimate": "analysis.uncertainty.estimate",
     "Record": "analysis.session.record",
+    "Report": "analysis.results.report",
     "RunEnergy": "analysis.results.run",
     "Setting": "analysis.session.setting",
     "agreement": "analysis.comparison.whole_session",

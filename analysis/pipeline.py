@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -18,9 +17,13 @@ from analysis.energy.per_cycle import Total, harmonics, window_energy
 from analysis.energy.sweep import sweep
 from analysis.results.coil_current import coil_of
 from analysis.results.deliberate_errors import misread
+from analysis.results.report import LeftOutRun, Report, Resolved
 from analysis.results.run import Coil, RunEnergy
-from analysis.session.documents import checked
+from analysis.session.documents import document_as
+from analysis.session.exciter import Exciter
+from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import EXACT
+from analysis.session.protocol import SessionProtocol, SessionRig
 from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts, Signal, Truth
 from analysis.session.setting import LOOP_BACK, Setting
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
@@ -90,10 +93,9 @@ class Reader:
         return _channel(self._record, FORCE), _channel(self._record, ACCELERATION)
 
     @cached_property
-    def exciter(self) -> Mapping[str, Any] | None:
-        """The exciter's document; None where the session has none."""
-        found: Mapping[str, Any] | None = checked("exciter", self._record.document("exciter"))
-        return found
+    def exciter(self) -> Exciter | None:
+        """The exciter; None where the session has none."""
+        return document_as(Exciter, "exciter", self._record.document("exciter"))
 
     @cached_property
     def truth(self) -> Truth | None:
@@ -201,7 +203,7 @@ def _clip_ratio(record: Record, run: RunFacts) -> float:
 
 
 def _coil(
-    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: Mapping[str, Any] | None
+    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: Exciter | None
 ) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
     channel = record.channels.get(CURRENT)
@@ -219,7 +221,7 @@ def _coil(
     return coil_of(total, energy, channel, exciter, samples)
 
 
-def _at_box(setting: Setting, energy: Energy, exciter: Mapping[str, Any] | None) -> AtBox | None:
+def _at_box(setting: Setting, energy: Energy, exciter: Exciter | None) -> AtBox | None:
     """The run as it would be read on the box; None where the places or the stinger are not known."""
     if setting.gauge is None or setting.accelerometer is None or exciter is None:
         return None
@@ -228,8 +230,8 @@ def _at_box(setting: Setting, energy: Energy, exciter: Mapping[str, Any] | None)
 
 def read_session(
     record: Record, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
-) -> dict[str, Any]:
-    """The report (interfaces.md, report.json) of a session from its record alone.
+) -> Report:
+    """The report of a session from its record alone.
 
     energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
     cannot be used are listed under `left_out` with the reason.
@@ -239,32 +241,32 @@ def read_session(
     for run in record.runs:
         if run.name not in known:
             try:
-                if record.conditions[run.condition].get("bed") == LOOP_BACK:
+                setting = reader.setting(run.condition)
+                if setting.bed == LOOP_BACK:
                     loop_backs.append(_loop_back(record, run))
-                elif record.conditions[run.condition].get("sweep_to") is not None:
+                elif setting.sweep_to is not None:
                     scalars = record.scalars(run.name)
                     swept.append(sweep(record, run, _flags(run, scalars), _use(scalars)))
                 else:
                     known[run.name] = reader.energy(run)
             except AnalysisError as error:
-                left_out.append({"run": run.name, "why": str(error)})
-    protocol, rig, prediction = (
-        checked(name, record.document(name)) or {} for name in ("protocol", "rig", "prediction")
-    )
+                left_out.append(LeftOutRun(run.name, str(error)))
+    protocol = document_as(SessionProtocol, "protocol", record.document("protocol")) or SessionProtocol()
+    rig = document_as(SessionRig, "rig", record.document("rig")) or SessionRig()
     return agreement(
         [known[run.name] for run in record.runs if run.name in known],
         record.conditions,
-        prediction,
+        record.document("prediction"),
         record.channels,
-        protocol=str(protocol.get("name", "")),
-        question=str(protocol.get("question", "")),
+        protocol=protocol.name,
+        question=protocol.question,
         synthetic=record.synthetic,
-        assumed=rig.get("values", ()),
+        assumed=rig.values,
         left_out=left_out,
-        expect=protocol.get("expect", ()),
+        expect=protocol.expect,
         actual=actual_of(record.truth),
-        fidelity=checked("fidelity", record.document("fidelity")),
-        resolved=_resolved({"protocol": protocol, "rig": rig}),
+        fidelity=document_as(Fidelity, "fidelity", record.document("fidelity")),
+        resolved=_resolved(protocol, rig),
         loop_backs=loop_backs,
         sweeps=swept,
     )
@@ -285,9 +287,10 @@ def _loop_back(record: Record, run: RunFacts) -> LoopBack:
     return loop_back(record, run, _window(run, setting, force, record.scalars(run.name)), setting.frequency)
 
 
-def _resolved(documents: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
     """The documents that are there written out, as text."""
-    return {name: str(found["resolved"]) for name, found in documents.items() if found.get("resolved")}
+    found = Resolved(protocol.resolved or None, rig.resolved or None)
+    return found if found.files() else None
 
 
 def _channel(record: Record, name: str) -> ChannelFacts:

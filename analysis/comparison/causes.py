@@ -10,8 +10,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from analysis.results.cause_row import CauseRow, Growth, Span
 from analysis.results.condition import Result
+from analysis.session.protocol import RigValue
 from analysis.session.record import ChannelFacts
+from analysis.session.setting import Setting
 from analysis.uncertainty.budget import angle_uncertainty, certificate_lines
 
 __all__ = ["causes"]
@@ -60,40 +63,35 @@ class Cause:
     loss: str = ""
     support: str = ""
 
-    def listed(self, condition: Mapping[str, Any]) -> bool:
+    def listed(self, setting: Setting) -> bool:
         """Whether the stand had this cause in a condition."""
-        return self.loss in condition.get("losses", ()) and self.support in ("", condition.get("support", "none"))
+        return self.loss in setting.losses and self.support in ("", setting.support)
 
 
 def causes(
-    results: Sequence[Result], conditions: Mapping[str, Mapping[str, Any]], channels: Mapping[str, ChannelFacts],
-    assumed: Iterable[Mapping[str, Any]],
-) -> list[dict[str, Any]]:  # fmt: skip
+    results: Sequence[Result], channels: Mapping[str, ChannelFacts], assumed: Iterable[RigValue]
+) -> tuple[CauseRow, ...]:
     """A row per cause, first what is to be explained: W_exp - W_T. Empty without results or without a rig's values.
-
-    Rows: cause, law, words, in_run, grows_with (acceleration, mass, fill: exponents or None), share (of W_T, weighted
-    with energy), empty and locked (energy left there over the largest W_T at the same level), empty_from, locked_from
-    ("run" or "computed"), over_first_principles (low and high over the conditions: the coefficient over what sound and
-    drag of the box make it; None for other causes and where nobody computed it), note. Numbers are None where the run
-    cannot tell.
-    """
-    rig = {str(value["path"]): value.get("value") for value in assumed if value.get("path") in NEEDED}
-    if not results or any(not isinstance(rig.get(name), float | int) for name in NEEDED):
-        return []
+    Numbers are None where the run cannot tell."""
+    rig = {
+        value.path: value.value for value in assumed if value.path in NEEDED and isinstance(value.value, float | int)
+    }
+    if not results or len(rig) < len(NEEDED):
+        return ()
     points = {result.setting.id: _point(result) for result in results}
     rows = [_row(Cause("measured excess", "W_exp - W_T", "What has to be explained.", None), results, points,
                  {name: point.W - point.W_T for name, point in points.items()}, None, True)]  # fmt: skip
-    for cause in _candidates({name: float(rig[name] or 0.0) for name in NEEDED}, channels):
-        listed = [result for result in results if cause.listed(conditions[result.setting.id])]
+    for cause in _candidates({name: float(rig[name]) for name in NEEDED}, channels):
+        listed = [result for result in results if cause.listed(result.setting)]
         energies = {name: cause.form(point) for name, point in points.items()} if cause.form else {}
         seen = {result.setting.id: _mean(result, cause.column) for result in listed}
         energies |= {name: energy for name, energy in seen.items() if energy is not None}
         in_run = bool(listed) or not cause.loss
         row = _row(cause, results, points, energies, cause.form or (lambda _still: 0.0), in_run)
-        over = _over_first_principles([conditions[name] for name in points], cause.loss)
-        note = _gas_note(listed, conditions) if cause.name == "gas" else ""
-        rows.append(row | {"note": note, "over_first_principles": over})
-    return rows
+        over = _over_first_principles(results, cause.loss)
+        note = _gas_note(listed) if cause.name == "gas" else ""
+        rows.append(replace(row, note=note, over_first_principles=over))
+    return tuple(rows)
 
 
 def _candidates(rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]) -> tuple[Cause, ...]:
@@ -133,7 +131,7 @@ def _point(result: Result) -> Point:
     s = result.setting
     M = s.box_mass + s.gauge_mass + s.bed_mass
     W_T = result.W_T.value if result.W_T else 0.0
-    exponent = result.predicted.get("exponent") or 0.0
+    exponent = result.predicted.exponent or 0.0
     return Point(
         result.mean("level"), s.frequency, M, result.mean("M_eff"), result.W_exp.value, W_T, exponent, s.fill or 0.0,
         (s.bed, s.material, s.density, s.diameter), (s.frequency, s.acceleration_set),
@@ -143,7 +141,7 @@ def _point(result: Result) -> Point:
 def _row(
     cause: Cause, results: Sequence[Result], points: Mapping[str, Point], energies: Mapping[str, float],
     form: Form | None, in_run: bool,
-) -> dict[str, Any]:  # fmt: skip
+) -> CauseRow:  # fmt: skip
     known = [(points[name], energy) for name, energy in energies.items()]
     told = [(point, energy) for point, energy in known if point.W_T > 0]
     total = math.fsum(point.W_T for point, _ in told)
@@ -152,17 +150,17 @@ def _row(
     if not in_run:
         empty_from = empty_from and "computed"
         locked_from = locked_from and "computed"
-    return {
-        "cause": cause.name, "law": cause.law, "words": cause.words, "in_run": in_run,
-        "grows_with": {
-            "acceleration": _slope([(p.acceleration, e, (p.kind, p.fill, p.frequency)) for p, e in known]),
-            "mass": _slope([(p.M, e, p.level) for p, e in known]),
-            "fill": _slope([(p.fill, e, (p.kind, p.level)) for p, e in known]),
-        },
-        "share": math.fsum(energy for _, energy in told) / total if total else None,
-        "empty": empty, "empty_from": empty_from, "locked": locked, "locked_from": locked_from,
-        "over_first_principles": None, "note": "",
-    }  # fmt: skip
+    return CauseRow(
+        cause=cause.name, law=cause.law, words=cause.words, in_run=in_run,
+        grows_with=Growth(
+            acceleration=_slope([(p.acceleration, e, (p.kind, p.fill, p.frequency)) for p, e in known]),
+            mass=_slope([(p.M, e, p.level) for p, e in known]),
+            fill=_slope([(p.fill, e, (p.kind, p.level)) for p, e in known]),
+        ),
+        share=math.fsum(energy for _, energy in told) / total if total else None,
+        empty=empty, empty_from=empty_from, locked=locked, locked_from=locked_from,
+        over_first_principles=None, note="",
+    )  # fmt: skip
 
 
 def _left(
@@ -219,18 +217,19 @@ def _mean(result: Result, column: str) -> float | None:
     return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
 
 
-def _over_first_principles(conditions: Iterable[Mapping[str, Any]], loss: str) -> dict[str, float] | None:
+def _over_first_principles(results: Iterable[Result], loss: str) -> Span | None:
     """Least and largest of a loss's coefficient over its size by first principles."""
-    found = [facts[loss] for facts in (one.get("over_first_principles") or {} for one in conditions) if loss in facts]
-    return {"low": float(min(found)), "high": float(max(found))} if found else None
+    known = [facts for facts in (result.setting.over_first_principles for result in results) if facts is not None]
+    found = [value for value in (getattr(facts, loss, None) for facts in known) if value is not None]
+    return Span(float(min(found)), float(max(found))) if found else None
 
 
-def _gas_note(listed: Sequence[Result], conditions: Mapping[str, Mapping[str, Any]]) -> str:
+def _gas_note(listed: Sequence[Result]) -> str:
     """Where the gas was switched on, and its largest drag over the bed's weight."""
-    found = [facts for facts in (conditions[result.setting.id].get("gas") for result in listed) if facts]
+    found = [facts for facts in (result.setting.gas for result in listed) if facts is not None]
     if not found:
         return "not listed in this run"
-    shares = [100 * float(facts["share_of_weight"]) for facts in found]
-    on = sum(bool(facts["on"]) for facts in found)
+    shares = [100 * float(facts.share_of_weight) for facts in found]
+    on = sum(facts.on for facts in found)
     state = "off" if not on else "on" if on == len(found) else f"on in {on} of {len(found)} conditions"
     return f"{state}, {min(shares):.2g} % to {max(shares):.2g} % of the bed's weight"

@@ -132,7 +132,7 @@ def _expected(result: Result, of_levels: float) -> float | None:
     W = math.exp(_log(result))
     poured = _variance(result.refills) * (total / W) ** 2 if total else 0.0
     noise = math.fsum((run.u_noise / W) ** 2 for run in result.runs) / len(result.runs)
-    n = result.predicted.get("exponent") or QUADRATIC
+    n = result.predicted.exponent or QUADRATIC
     return poured + noise + n**2 * of_levels + RESOLUTION**2
 
 

@@ -6,10 +6,11 @@ protocol's grammar is needed here and a laboratory may write its own.
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from analysis.comparison.claim_tests import TESTS, Finding, Level, Question, Scatter
 from analysis.results.condition import Result
+from analysis.results.judged_rows import CaseRow, ClaimRow
+from analysis.session.protocol import ClaimCase, ExpectedClaim
 
 __all__ = ["judge"]
 
@@ -17,60 +18,49 @@ VERDICTS = ("does not hold", "undecided", "holds")
 """The first of them that a case has is the verdict over all cases."""
 
 
-def judge(expect: Iterable[Mapping[str, Any]], results: Mapping[str, Result]) -> list[dict[str, Any]]:
+def judge(expect: Iterable[ExpectedClaim], results: Mapping[str, Result]) -> tuple[ClaimRow, ...]:
     """The report's `claims`: one entry for each expected one.
 
-    expect: {"claim": words, "kind": key of TESTS, "about": field, "over": field or "", "values": [texts], "limits":
-    [numbers], "imposed": reason or "", "cases": [{"at": {field: text}, "levels": [{"value": text, "conditions":
-    [ids]}]}]}. results: evaluated conditions by id.
+    results: evaluated conditions by id.
 
     A claim over several cases holds where it holds in every one (each tested at 5 %: an intersection-union test) and
     does not hold where one contradicts it (each tested at 5 % over their number).
     """
     scatter = Scatter.of(results.values())
-    return [_entry(entry, results, scatter) for entry in expect]
+    return tuple(_entry(entry, results, scatter) for entry in expect)
 
 
-def _entry(entry: Mapping[str, Any], results: Mapping[str, Result], scatter: Scatter | None) -> dict[str, Any]:
-    places = entry["cases"]
-    question = Question(tuple(entry["values"]), tuple(entry["limits"]), max(1, len(places)), scatter)
-    cases = [(_place(case["at"]), _case(entry, question, case, results)) for case in places]
+def _entry(entry: ExpectedClaim, results: Mapping[str, Result], scatter: Scatter | None) -> ClaimRow:
+    question = Question(entry.values, entry.limits, max(1, len(entry.cases)), scatter)
+    cases = [(_place(case.at), _case(entry, question, case, results)) for case in entry.cases]
     whole = _whole(cases)
-    imposed = bool(entry["imposed"]) and whole.verdict != "does not hold"
-    return {
-        "claim": entry["claim"],
-        "test": _test(entry),
-        "found": whole.found,
-        "verdict": "imposed" if imposed else whole.verdict,
-        "why": f"{entry['imposed']}; {whole.why}" if imposed else whole.why,
-        "ties": list(whole.ties),
-        "cases": [{"at": at, **_row(finding)} for at, finding in cases] if len(cases) > 1 else [],
-    }
+    imposed = bool(entry.imposed) and whole.verdict != "does not hold"
+    return ClaimRow(
+        claim=entry.claim,
+        test=_test(entry),
+        found=whole.found,
+        verdict="imposed" if imposed else whole.verdict,
+        why=f"{entry.imposed}; {whole.why}" if imposed else whole.why,
+        ties=whole.ties,
+        cases=tuple(_row(at, finding) for at, finding in cases) if len(cases) > 1 else (),
+    )
 
 
-def _row(finding: Finding) -> dict[str, Any]:
-    return {
-        "found": finding.found,
-        "verdict": finding.verdict,
-        "why": finding.why,
-        "ties": list(finding.ties),
-    }
+def _row(at: str, finding: Finding) -> CaseRow:
+    return CaseRow(at, finding.found, finding.verdict, finding.why, finding.ties)
 
 
-def _case(
-    entry: Mapping[str, Any], question: Question, case: Mapping[str, Any], results: Mapping[str, Result]
-) -> Finding:
-    levels = [Level(level["value"], tuple(results[c] for c in level["conditions"] if c in results))
-              for level in case["levels"]]  # fmt: skip
-    if entry["over"] and len({len(level.results) for level in levels}) > 1:
-        return Finding("", "undecided", f"not every value was measured at every {_field(entry['over'])}")
-    one_each = not entry["over"] and entry["kind"] != "offset_within"
-    if one_each and any(len(level["conditions"]) > 1 for level in case["levels"]):
-        return Finding("", "undecided", f"several conditions have the same {_field(entry['about'])}")
+def _case(entry: ExpectedClaim, question: Question, case: ClaimCase, results: Mapping[str, Result]) -> Finding:
+    levels = [Level(level.value, tuple(results[c] for c in level.conditions if c in results)) for level in case.levels]
+    if entry.over and len({len(level.results) for level in levels}) > 1:
+        return Finding("", "undecided", f"not every value was measured at every {_field(entry.over)}")
+    one_each = not entry.over and entry.kind != "offset_within"
+    if one_each and any(len(level.conditions) > 1 for level in case.levels):
+        return Finding("", "undecided", f"several conditions have the same {_field(entry.about)}")
     levels = [level for level in levels if level.results]
     if not levels:
         return Finding("", "undecided", "none of its conditions was measured")
-    return TESTS[entry["kind"]](levels, question)
+    return TESTS[entry.kind](levels, question)
 
 
 def _whole(cases: list[tuple[str, Finding]]) -> Finding:
@@ -96,12 +86,12 @@ def _field(path: str) -> str:
     return path.rpartition(".")[2]
 
 
-def _test(entry: Mapping[str, Any]) -> str:
+def _test(entry: ExpectedClaim) -> str:
     """What is tested, in words."""
-    kind, field, values = entry["kind"], _field(entry["about"]), entry["values"]
-    limits = [f"{limit:g}" for limit in entry["limits"]]
+    kind, field, values = entry.kind, _field(entry.about), entry.values
+    limits = [f"{limit:g}" for limit in entry.limits]
     per = f", per {field}" if field else ""
-    over = f", mean of ln W over {_field(entry['over'])}" if entry["over"] else ""
+    over = f", mean of ln W over {_field(entry.over)}" if entry.over else ""
     return {
         "optimum": lambda: f"W is largest at {field} {' or '.join(values)}{over}",
         "order": lambda: f"W rises along {field} {', '.join(values)}{over}",

@@ -18,6 +18,7 @@ import numpy as np
 
 from analysis.comparison.family_of_tests import FAILS, Zero
 from analysis.energy.energies import Energy
+from analysis.results.judged_rows import NullRow
 from analysis.results.run import RunEnergy
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -54,22 +55,22 @@ class Null:
         """The same, that does not hold where a score is beyond the family's critical one."""
         return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> NullRow:
         """The report's entry."""
-        return {
-            "null": self.null,
-            "bed_mass": self.bed_mass,
-            "frequency": self.frequency,
-            "levels": self.levels,
-            "dphi": self.dphi.value if self.dphi else None,
-            "U_dphi": self.dphi.U if self.dphi else None,
-            "k": self.dphi.k if self.dphi else None,
-            "nu": self.dphi.nu if self.dphi else None,
-            "gain": self.gain.value if self.gain else None,
-            "U_gain": self.gain.U if self.gain else None,
-            "verdict": self.verdict,
-            "why": self.why,
-        }
+        return NullRow(
+            null=self.null,
+            bed_mass=self.bed_mass,
+            frequency=self.frequency,
+            levels=self.levels,
+            dphi=self.dphi.value if self.dphi else None,
+            U_dphi=self.dphi.U if self.dphi else None,
+            k=self.dphi.k if self.dphi else None,
+            nu=self.dphi.nu if self.dphi else None,
+            gain=self.gain.value if self.gain else None,
+            U_gain=self.gain.U if self.gain else None,
+            verdict=self.verdict,
+            why=self.why,
+        )
 
 
 def null_tests(

@@ -15,13 +15,14 @@ import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from analysis.results.condition import Result
+from analysis.results.condition_row import TERMS, OffsetTerms
 from analysis.results.run import RunEnergy
-from analysis.session.documents import truth_checked
-from analysis.session.ledger_columns import DISSIPATED, EXACT, TERMS
-from analysis.session.prediction import Curve
+from analysis.session.documents import truth_as
+from analysis.session.exciter import TrueClock, TrueInstruments, TrueState
+from analysis.session.ledger_columns import DISSIPATED, EXACT
+from analysis.session.prediction import Curve, PredictionEntry
 from analysis.session.record import ChannelFacts, Truth
 from analysis.uncertainty.budget import resolution_lines
 
@@ -34,23 +35,18 @@ IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
 
 @dataclass(frozen=True)
 class Actual:
-    """What only a simulated session knows of its instruments.
+    """What only a simulated session knows of its instruments: their states, and the clock's relative error."""
 
-    states: by channel, `sensitivity` (V per unit), `time_constant` (s or None), `gain`, and where there are any
-    `corner` (Hz or None) and `skew` (s); clock: relative error.
-    """
-
-    states: Mapping[str, Mapping[str, Any]]
+    states: TrueInstruments
     clock: float
 
     def response(self, channel: ChannelFacts, omega: float) -> complex:
         """Corrected reading over true value at omega (rad/s): true scale, angle left by the certified pole."""
-        state = self.states[channel.name]
-        scale = (state["sensitivity"] or 0.0) * (state["gain"] or 0.0) / channel.sensitivity
-        true, certified = state["time_constant"], channel.time_constant
-        corner = state.get("corner")
-        coupling = _high_pass(omega, _tau(corner)) / _high_pass(omega, _tau(channel.corner))
-        skew = cmath.exp(1j * omega * (state.get("skew", 0.0) - channel.skew))
+        state: TrueState = getattr(self.states, channel.name)
+        scale = state.sensitivity * state.gain / channel.sensitivity
+        true, certified = state.time_constant, channel.time_constant
+        coupling = _high_pass(omega, _tau(state.corner)) / _high_pass(omega, _tau(channel.corner))
+        skew = cmath.exp(1j * omega * (state.skew - channel.skew))
         return scale * skew * coupling * _high_pass(omega, true) / _high_pass(omega, certified)
 
 
@@ -58,26 +54,27 @@ def actual_of(truth: Truth | None) -> Actual | None:
     """The actual instruments of a session; None without truth or where it does not say."""
     if truth is None:
         return None
-    states, clock = (truth_checked(name, truth.document(name)) for name in ("instruments", "clock"))
-    return None if states is None or clock is None else Actual(states, float(clock["error"]))
+    states, clock = truth_as(TrueInstruments, "instruments", truth), truth_as(TrueClock, "clock", truth)
+    return None if states is None or clock is None else Actual(states, clock.error)
 
 
 def offset_terms(
-    result: Result, entry: Mapping[str, Any] | None, channels: Mapping[str, ChannelFacts], actual: Actual | None
-) -> dict[str, float] | None:
-    """`TERMS` of a condition as fractions of W_T, adding up to its offset; None without truth or without an offset.
+    result: Result, entry: PredictionEntry | None, channels: Mapping[str, ChannelFacts], actual: Actual | None
+) -> OffsetTerms | None:
+    """The terms of a condition as fractions of W_T, adding up to its offset; None without truth or without an offset.
 
     entry: of the prediction document. Without an ablation in the ledger the waveform's effect on the bed beyond its
     level stays inside `refill`. `refill` also holds the prediction's numerics and what had not settled.
     """
     if actual is None or entry is None or result.W_T is None or not result.comparable:
         return None
-    curve = Curve.of(entry["acceleration"], entry["W_T"])
+    curve = Curve.of(entry.acceleration, entry.W_T)
     runs = [_of_run(run, curve, channels, actual) for run in result.runs]
     known = [terms for terms in runs if terms is not None]
     if len(known) < len(runs):
         return None
-    return {name: math.fsum(terms[name] for terms in known) / len(known) / result.W_T.value for name in TERMS}
+    W_T, n = result.W_T.value, len(known)
+    return OffsetTerms(**{name: math.fsum(getattr(terms, name) for terms in known) / n / W_T for name in TERMS})
 
 
 def allowed_remainder(result: Result) -> float | None:
@@ -91,9 +88,7 @@ def allowed_remainder(result: Result) -> float | None:
     return max(LARGEST_REMAINDER, 2 * math.hypot(noise, *resolution) / result.W_T.value)
 
 
-def _of_run(
-    run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual
-) -> dict[str, float] | None:
+def _of_run(run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual) -> OffsetTerms | None:
     """The terms of one run, J per cycle; None without its ledger."""
     if run.ledger is None:
         return None
@@ -109,14 +104,14 @@ def _of_run(
     seen = gain * (lost * math.cos(turn) - reactive * math.sin(turn))
     true, measured = curve(energy.level / abs(acceleration)), curve(energy.level)
     exact = _exact(run, bed, measured)
-    return {
+    return OffsetTerms(
         **box,
-        "waveform": bed - exact,
-        "phase": seen - gain * lost,
-        "scale": (gain - 1) * lost - (measured - true),
-        "refill": exact - true,
-        "remainder": energy.W - seen,
-    }
+        waveform=bed - exact,
+        phase=seen - gain * lost,
+        scale=(gain - 1) * lost - (measured - true),
+        refill=exact - true,
+        remainder=energy.W - seen,
+    )
 
 
 def _tau(corner: float | None) -> float | None:

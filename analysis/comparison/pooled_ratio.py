@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
+from analysis.results.agreement_row import LineRow
 from analysis.results.condition import Result
 from analysis.results.predicted_on_record import Recorded
 from analysis.uncertainty.budget import RESOLUTION, SCATTER, combine, own_parts
@@ -37,14 +38,12 @@ class Fit:
         """Whether a true line would show a chi^2 as large as this in at least UNLIKELY of all cases."""
         return self.dof == 0 or float(chdtrc(self.dof, self.chi2)) >= UNLIKELY
 
-    def row(self) -> dict[str, float | int | None]:
+    def row(self) -> LineRow:
         """Return the report's entry; where no line is likely, chi^2 alone: its numbers would state a U they lack."""
-        told = {
-            "slope": self.slope.value, "U_slope": self.slope.U, "intercept": self.intercept.value,
-            "U_intercept": self.intercept.U,
-        }  # fmt: skip
-        numbers: dict[str, float | int | None] = {**told} if self.is_likely else dict.fromkeys(told)
-        return {**numbers, "chi2": self.chi2, "dof": self.dof}
+        if not self.is_likely:
+            return LineRow(None, None, None, None, self.chi2, self.dof)
+        slope, intercept = self.slope, self.intercept
+        return LineRow(slope.value, slope.U, intercept.value, intercept.U, self.chi2, self.dof)
 
 
 def energy_ratio(results: Sequence[Result]) -> Estimate | None:

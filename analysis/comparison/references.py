@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from analysis.comparison.family_of_tests import FAILS, Zero, sign_tests
 from analysis.results.condition import Result
+from analysis.results.judged_rows import ReferenceRow
 from analysis.results.run import RunEnergy
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -61,9 +62,11 @@ class Reference:
         """The same, that does not hold where a score is beyond the family's critical one."""
         return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> ReferenceRow:
         """The report's entry."""
-        return {name: getattr(self, name) for name in self.__slots__ if name != "tested"}
+        return ReferenceRow(
+            self.reference, self.of, self.unit, self.value, self.expected, self.U, self.verdict, self.why
+        )
 
 
 def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:

@@ -18,7 +18,7 @@ from analysis.uncertainty.budget import CERTIFICATE_NU
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.skewed_scatter import SEED, sessions_of, skew, stretch
 
-__all__ = ["SKEWED", "TRIED", "WANTED", "Coverage", "coverage", "held", "refills_row"]
+__all__ = ["SKEWED", "TRIED", "WANTED", "Coverage", "RefillsTold", "coverage", "held", "refills_row"]
 
 Array = NDArray[np.float64]
 
@@ -41,19 +41,30 @@ class Coverage:
     needed: int | None
 
 
-def refills_row(result: Result) -> dict[str, float | int | None]:
-    """The report's entry of a condition. refill_mean: what refills take beyond the nominal bed in the mean, relative;
-    refill_skew; where that is large coverage as stated and of Student's t, and refills needed for that."""
+@dataclass(frozen=True, slots=True)
+class RefillsTold:
+    """What the report says of a condition's refills: what they take beyond the nominal bed in the mean, relative; their
+    skew; where that is large the coverage as stated and of Student's t, and the refills needed for that."""
+
+    refill_mean: float | None
+    refill_skew: float | None
+    refill_coverage: float | None
+    refill_coverage_plain: float | None
+    refills_needed: int | None
+
+
+def refills_row(result: Result) -> RefillsTold:
+    """What the report says of the refills of a condition."""
     told, refills = None, result.refills
     if len(result.runs) > 1 and abs(skew(refills)) >= SKEWED:
         told = coverage(result)
-    return {
-        "refill_mean": math.fsum(refills) / len(refills) - 1 if refills else None,
-        "refill_skew": skew(refills) if refills else None,
-        "refill_coverage": told.share if told else None,
-        "refill_coverage_plain": told.plain if told else None,
-        "refills_needed": told.needed if told else None,
-    }
+    return RefillsTold(
+        refill_mean=math.fsum(refills) / len(refills) - 1 if refills else None,
+        refill_skew=skew(refills) if refills else None,
+        refill_coverage=told.share if told else None,
+        refill_coverage_plain=told.plain if told else None,
+        refills_needed=told.needed if told else None,
+    )
 
 
 def coverage(result: Result) -> Coverage | None:

@@ -7,34 +7,49 @@ where the record does not come from the model itself.
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analysis.results.agreement_row import ComparisonRow
 from analysis.results.condition import Result
 from analysis.uncertainty.estimate import Estimate
 
-__all__ = ["comparisons", "model_row"]
+__all__ = ["ModelTold", "comparisons", "model_row"]
 
 INSIDE = (0.025, 0.975)
 SEVEN = 0.07  # the offset that the paper reports
 
 
-def model_row(result: Result) -> dict[str, float | None]:
-    """The report's entry: 95 % interval of W_T over the model's parameters, J, and E_n with half its width as U_T."""
+@dataclass(frozen=True, slots=True)
+class ModelTold:
+    """95 % interval of W_T over the model's parameters, J, and E_n with half its width as U_T."""
+
+    W_T_low: float | None = None
+    W_T_high: float | None = None
+    E_n_model: float | None = None
+
+
+def model_row(result: Result) -> ModelTold:
+    """What the report says of a condition against W_T as uncertain as what nobody measured makes it."""
     if result.W_T is None or result.difference is None or not result.model:
-        return dict.fromkeys(("W_T_low", "W_T_high", "E_n_model"))
+        return ModelTold()
     low, high = (result.W_T.value * float(q) for q in np.quantile(result.model, INSIDE))
     U = math.hypot(result.difference.U, (high - low) / 2)
-    return {"W_T_low": low, "W_T_high": high, "E_n_model": result.difference.value / U if U else None}
+    return ModelTold(low, high, result.difference.value / U if U else None)
 
 
-def comparisons(results: Sequence[Result]) -> list[dict[str, Any]]:
+def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
     """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was not made or what it
     cannot tell."""
-    model = [(result, row["E_n_model"]) for result in results if (row := model_row(result))["E_n_model"] is not None]
+    scored = [(result, model_row(result).E_n_model) for result in results]
+    model = [(result, E) for result, E in scored if E is not None]
     none = "" if results else "no run states an energy"
-    return [
+    last = _entry(
+        "model", "W_T with friction, restitution and play as uncertain as they are", [E for _, E in model],
+        none or "the record comes from the model itself, or no spread of W_T was given",
+    )  # fmt: skip
+    return (
         _entry(
             "chain", "the rig's own ledger", _scores([r.chain for r in results]), none or "the record holds no truth"
         ),
@@ -42,22 +57,19 @@ def comparisons(results: Sequence[Result]) -> list[dict[str, Any]]:
             "prediction", "W_T as predicted", _scores([r.difference for r in results if r.comparable]),
             none or "nothing is predicted that stands out of the detection limit",
         ),
-        _entry(
-            "model", "W_T with friction, restitution and play as uncertain as they are", [E for _, E in model],
-            none or "the record comes from the model itself, or no spread of W_T was given",
-        ) | ({"why": _telling([result for result, _ in model])} if model else {}),
-    ]  # fmt: skip
+        replace(last, why=_telling([result for result, _ in model])) if model else last,
+    )  # fmt: skip
 
 
 def _scores(differences: Sequence[Estimate | None]) -> list[float]:
     return [d.value / d.U for d in differences if d is not None and d.U]
 
 
-def _entry(name: str, against: str, scores: Sequence[float], why: str) -> dict[str, Any]:
-    return {
-        "comparison": name, "against": against, "n": len(scores), "within": sum(abs(E) <= 1 for E in scores),
-        "why": "" if scores else f"not made: {why}",
-    }  # fmt: skip
+def _entry(name: str, against: str, scores: Sequence[float], why: str) -> ComparisonRow:
+    return ComparisonRow(
+        comparison=name, against=against, n=len(scores), within=sum(abs(E) <= 1 for E in scores),
+        why="" if scores else f"not made: {why}",
+    )  # fmt: skip
 
 
 def _telling(results: Sequence[Result]) -> str:

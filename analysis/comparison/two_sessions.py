@@ -7,17 +7,27 @@ their sensitivities counts. Levels are not corrected: what they differ by counts
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
-from typing import Any
 
+from analysis.results.compared import (
+    SCHEMA,
+    ComparedPair,
+    ComparedSession,
+    Comparison,
+    OverallDifference,
+    RankOrder,
+    Unmatched,
+)
+from analysis.results.condition_row import ConditionRow
+from analysis.results.report import Report
 from analysis.uncertainty.budget import combine
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.multiple_comparisons import holm
 
 __all__ = ["FARTHEST", "MATCHED_BY", "compare", "kendall"]
 
-SCHEMA = "rig/comparison/1"
 SETTINGS = ("material", "density", "diameter", "fill", "frequency")
 MATCHED_BY = (*SETTINGS, "acceleration")
 NOT_STATED = "not stated"  # material of a mapping that names none
@@ -26,98 +36,97 @@ EQUAL = 1e-6  # settings that agree so far are one
 FREQUENCY = 1e-3  # and frequencies, of which one may have been found from a record
 LEVEL = 0.05
 
-Row = Mapping[str, Any]
+Pair = tuple[ConditionRow, ConditionRow]
+"""A condition of A and its match in B."""
 
 
-def compare(a: Row, b: Row, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")) -> dict[str, Any]:
-    """The comparison of two reports (report.json) as a plain dict; energies in J per cycle, `difference` B less A.
+def compare(a: Report, b: Report, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")) -> Comparison:
+    """The comparison of two reports; energies in J per cycle, `difference` B less A.
 
     same_instruments: their errors are common to both sessions. folders: what names sessions of one protocol.
     """
-    one_name = a["protocol"] == b["protocol"]
-    pairs, alone = matched(a["conditions"], b["conditions"])
+    one_name = a.protocol == b.protocol
+    pairs, alone = matched(a.conditions, b.conditions)
     rows = [_pair(first, second, same_instruments) for first, second in pairs]
-    adjusted = holm([row["p"] for row in rows])
-    for row, p in zip(rows, adjusted, strict=True):
-        row["p_holm"], row["significant"] = p, p <= LEVEL
-    return {
-        "schema": SCHEMA,
-        "sessions": [_session(each, name if one_name else "") for each, name in zip((a, b), folders, strict=True)],
-        "matched_by": list(MATCHED_BY),
-        "same_instruments": same_instruments,
-        "pairs": rows,
-        "alone": alone,
-        "overall": _overall(pairs, same_instruments),
-        "ranks": _ranks(pairs),
-    }
+    adjusted = holm([row.p for row in rows])
+    return Comparison(
+        schema=SCHEMA,
+        sessions=(_session(a, folders[0] if one_name else ""), _session(b, folders[1] if one_name else "")),
+        matched_by=MATCHED_BY,
+        same_instruments=same_instruments,
+        pairs=tuple(replace(row, p_holm=p, significant=p <= LEVEL) for row, p in zip(rows, adjusted, strict=True)),
+        alone=tuple(alone),
+        overall=_overall(pairs, same_instruments),
+        ranks=_ranks(pairs),
+    )
 
 
-def _session(report: Row, folder: str) -> dict[str, Any]:
-    rows, protocol = report["conditions"], report["protocol"]
-    return {
-        "name": f"{protocol} ({folder})" if protocol and folder else protocol or folder or "session",
-        "protocol": protocol, "synthetic": report["synthetic"], "verdict": report["verdict"],
-        "beds": sorted({row["bed"] for row in rows}), "drives": sorted({row["drive"] for row in rows}),
-        "conditions": len(rows), "ratio": report["agreement"]["ratio"], "U_ratio": report["agreement"]["U_ratio"],
-    }  # fmt: skip
+def _session(report: Report, folder: str) -> ComparedSession:
+    rows, protocol = report.conditions, report.protocol
+    return ComparedSession(
+        name=f"{protocol} ({folder})" if protocol and folder else protocol or folder or "session",
+        protocol=protocol, synthetic=report.synthetic, verdict=report.verdict,
+        beds=tuple(sorted({row.bed for row in rows})), drives=tuple(sorted({row.drive for row in rows})),
+        conditions=len(rows), ratio=report.agreement.ratio, U_ratio=report.agreement.U_ratio,
+    )  # fmt: skip
 
 
-def matched(a: Sequence[Row], b: Sequence[Row]) -> tuple[list[tuple[Row, Row]], list[dict[str, str]]]:
+def matched(a: Sequence[ConditionRow], b: Sequence[ConditionRow]) -> tuple[list[Pair], list[Unmatched]]:
     """Pairs of conditions with equal settings (what one of them does not know is no difference) and levels at most
     FARTHEST apart, each used once, and the others with the reason. The same bed goes first, then the same drive; the
     level that was set goes before the nearest one that was reached. What only settings that one side does not know
     would tell apart is not matched."""
     alike = [(row, other) for row in a for other in b if not _differ(row, other)]
-    found: dict[str, Row] = {}
+    found: dict[str, ConditionRow] = {}
     for places in (("bed", "drive"), ("bed",), ()):
         for set_alike in (True, False):
-            used = {other["id"] for other in found.values()}
+            used = {other.id for other in found.values()}
             found |= _nearest([
                 (row, other)
                 for row, other in alike
-                if row["id"] not in found and other["id"] not in used
-                if all(row[name] == other[name] for name in places)
-                if not set_alike or _equal(row["acceleration_set"], other["acceleration_set"])
+                if row.id not in found and other.id not in used
+                if all(getattr(row, name) == getattr(other, name) for name in places)
+                if not set_alike or _equal(row.acceleration_set, other.acceleration_set)
             ])  # fmt: skip
-    pairs = [(row, found[row["id"]]) for row in a if row["id"] in found]
-    used = {other["id"] for _, other in pairs}
+    pairs = [(row, found[row.id]) for row in a if row.id in found]
+    used = {other.id for _, other in pairs}
     alone = [
-        {"session": name, "id": row["id"], "why": _why(row, others, to)}
+        Unmatched(name, row.id, _why(row, others, to))
         for name, rows, others, to, taken in (("A", a, b, "B", found.keys()), ("B", b, a, "A", used))
         for row in rows
-        if row["id"] not in taken
+        if row.id not in taken
     ]
     return pairs, alone
 
 
-def _nearest(links: Sequence[tuple[Row, Row]]) -> dict[str, Row]:
+def _nearest(links: Sequence[Pair]) -> dict[str, ConditionRow]:
     """Conditions of B by ids of A: of possible pairs the nearest levels first, where only the level tells."""
     others_of, rows_of = defaultdict(list), defaultdict(list)
     for row, other in links:
-        others_of[row["id"]].append(other)
-        rows_of[other["id"]].append(row)
-    found: dict[str, Row] = {}
+        others_of[row.id].append(other)
+        rows_of[other.id].append(row)
+    found: dict[str, ConditionRow] = {}
     used: set[str] = set()
     for row, other in sorted(links, key=lambda link: abs(_levels(*link))):
-        told = _told_apart(others_of[row["id"]]) and _told_apart(rows_of[other["id"]])
-        if told and row["id"] not in found and other["id"] not in used:
-            found[row["id"]] = other
-            used.add(other["id"])
+        told = _told_apart(others_of[row.id]) and _told_apart(rows_of[other.id])
+        if told and row.id not in found and other.id not in used:
+            found[row.id] = other
+            used.add(other.id)
     return found
 
 
-def _told_apart(rows: Sequence[Row]) -> bool:
+def _told_apart(rows: Sequence[ConditionRow]) -> bool:
     """Whether conditions of one session differ in the level that was set, and in nothing else."""
     return all(
-        all(one[name] == other[name] for name in SETTINGS)
-        and not _equal(one["acceleration_set"], other["acceleration_set"])
+        all(getattr(one, name) == getattr(other, name) for name in SETTINGS)
+        and not _equal(one.acceleration_set, other.acceleration_set)
         for one, other in combinations(rows, 2)
     )
 
 
-def _why(row: Row, others: Sequence[Row], to: str) -> str:
+def _why(row: ConditionRow, others: Sequence[ConditionRow], to: str) -> str:
     """Why a condition has no match in session `to`."""
-    several = [other["id"] for other in others if not _differ(row, other)]
+    several = [other.id for other in others if not _differ(row, other)]
     if several:
         return f"not told apart, or matched with a nearer level: {to} has {', '.join(several)}"
     if not others:
@@ -125,76 +134,89 @@ def _why(row: Row, others: Sequence[Row], to: str) -> str:
     near = min(others, key=lambda other: (len(set(_differ(row, other)) & {*SETTINGS}), abs(_levels(row, other))))
     fields = _differ(row, near)
     if fields == ["acceleration"]:
-        return f"the levels reached are {100 * abs(_levels(row, near)):.2g} % apart ({near['id']} of {to})"
+        return f"the levels reached are {100 * abs(_levels(row, near)):.2g} % apart ({near.id} of {to})"
     told = ", ".join(f"{name} {_told(row, name)} against {_told(near, name)}" for name in fields)
-    return f"no condition of {to} has these settings; nearest is {near['id']}: {told}"
+    return f"no condition of {to} has these settings; nearest is {near.id}: {told}"
 
 
-def _told(row: Row, name: str) -> str:
-    value = row[name]
+def _told(row: ConditionRow, name: str) -> str:
+    value: str | float = getattr(row, name)
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def _differ(one: Row, other: Row) -> list[str]:
+def _differ(one: ConditionRow, other: ConditionRow) -> list[str]:
     """Names of what two conditions have not in common. A level that was measured, and not set, counts as reached."""
     names = [
-        name for name in SETTINGS if not _equal(one[name], other[name], FREQUENCY if name == "frequency" else EQUAL)
+        name
+        for name in SETTINGS
+        if not _equal(getattr(one, name), getattr(other, name), FREQUENCY if name == "frequency" else EQUAL)
     ]
-    was_set = "measured" not in (one["drive"], other["drive"])
-    if was_set and not _equal(one["acceleration_set"], other["acceleration_set"], FARTHEST):
+    was_set = "measured" not in (one.drive, other.drive)
+    if was_set and not _equal(one.acceleration_set, other.acceleration_set, FARTHEST):
         names.append("acceleration_set")
     elif abs(_levels(one, other)) > FARTHEST:
         names.append("acceleration")
     return names
 
 
-def _unknown(value: Any) -> bool:
+def _unknown(value: object) -> bool:
     return value is None or value == NOT_STATED
 
 
-def _equal(one: Any, other: Any, tolerance: float = EQUAL) -> bool:
-    if _unknown(one) or _unknown(other):
+def _equal(one: str | float | None, other: str | float | None, tolerance: float = EQUAL) -> bool:
+    if one is None or other is None or _unknown(one) or _unknown(other):
         return True
     if isinstance(one, str) or isinstance(other, str):
         return bool(one == other)
     return math.isclose(one, other, rel_tol=tolerance)
 
 
-def _levels(a: Row, b: Row) -> float:
+def _levels(a: ConditionRow, b: ConditionRow) -> float:
     """ln of the ratio of the levels reached."""
-    return math.log(b["acceleration"] / a["acceleration"]) if a["acceleration"] and b["acceleration"] else 0.0
+    return math.log(b.acceleration / a.acceleration) if a.acceleration and b.acceleration else 0.0
 
 
-def _pair(a: Row, b: Row, same: bool) -> dict[str, Any]:
-    difference = _estimate(b["W_exp"] - a["W_exp"], [(a, -1.0)], [(b, 1.0)], same, [_level_part(a, b)])
-    told = all(row["W_exp"] > max(row["W_detect"], row["U_W_exp"]) for row in (a, b))
-    ratio = b["W_exp"] / a["W_exp"] if told else None
+def _pair(a: ConditionRow, b: ConditionRow, same: bool) -> ComparedPair:
+    """Two conditions; whether their difference is significant is told by all pairs together."""
+    difference = _estimate(b.W_exp - a.W_exp, [(a, -1.0)], [(b, 1.0)], same, [_level_part(a, b)])
+    told = all(row.W_exp > max(row.detected, row.U_W_exp) for row in (a, b))
+    ratio = b.W_exp / a.W_exp if told else None
     relative = None
     if ratio is not None:
-        scale = 1 / a["W_exp"]
+        scale = 1 / a.W_exp
         relative = _estimate(ratio - 1, [(a, -ratio * scale)], [(b, scale)], same, [_level_part(a, b) * scale])
-    return {
-        "A": a["id"], "B": b["id"],
-        **{name: b[name] if _unknown(a[name]) else a[name] for name in (*SETTINGS, "acceleration_set")},
-        "not_compared": [name for name in SETTINGS if _unknown(a[name]) or _unknown(b[name])],
-        "bed_A": a["bed"], "bed_B": b["bed"], "acceleration_A": a["acceleration"], "acceleration_B": b["acceleration"],
-        "W_A": a["W_exp"], "U_A": a["U_W_exp"], "W_B": b["W_exp"], "U_B": b["U_W_exp"],
-        "difference": difference.value, "U_difference": difference.U,
-        "E_n": difference.value / difference.U if difference.U else None, "p": difference.p(),
-        "relative": None if relative is None else relative.value,
-        "U_relative": None if relative is None else relative.U,
-        "runs_A": len(a["runs"]), "runs_B": len(b["runs"]),
-    }  # fmt: skip
+    p = difference.p()
+    return ComparedPair(
+        A=a.id, B=b.id,
+        material=b.material if _unknown(a.material) else a.material,
+        density=b.density if a.density is None else a.density,
+        diameter=b.diameter if a.diameter is None else a.diameter,
+        fill=b.fill if a.fill is None else a.fill,
+        frequency=b.frequency if a.frequency is None else a.frequency,
+        acceleration_set=b.acceleration_set if a.acceleration_set is None else a.acceleration_set,
+        not_compared=tuple(name for name in SETTINGS if _unknown(getattr(a, name)) or _unknown(getattr(b, name))),
+        bed_A=a.bed, bed_B=b.bed, acceleration_A=a.acceleration, acceleration_B=b.acceleration,
+        W_A=a.W_exp, U_A=a.U_W_exp, W_B=b.W_exp, U_B=b.U_W_exp,
+        difference=difference.value, U_difference=difference.U,
+        E_n=difference.value / difference.U if difference.U else None, p=p,
+        relative=None if relative is None else relative.value,
+        U_relative=None if relative is None else relative.U,
+        runs_A=len(a.runs), runs_B=len(b.runs), p_holm=p, significant=False,
+    )  # fmt: skip
 
 
-def _level_part(a: Row, b: Row) -> float:
+def _level_part(a: ConditionRow, b: ConditionRow) -> float:
     """Standard uncertainty of a difference in J from levels that are not the same, W growing as a^n."""
-    n = float(a.get("exponent") or b.get("exponent") or 2.0)
-    return abs(n * _levels(a, b)) * max(abs(float(a["W_exp"])), abs(float(b["W_exp"]))) / math.sqrt(3)
+    n = float(a.exponent or b.exponent or 2.0)
+    return abs(n * _levels(a, b)) * max(abs(float(a.W_exp)), abs(float(b.W_exp))) / math.sqrt(3)
 
 
 def _estimate(
-    value: float, a: Sequence[tuple[Row, float]], b: Sequence[tuple[Row, float]], same: bool, more: Sequence[float] = ()
+    value: float,
+    a: Sequence[tuple[ConditionRow, float]],
+    b: Sequence[tuple[ConditionRow, float]],
+    same: bool,
+    more: Sequence[float] = (),
 ) -> Estimate:
     """A value that depends on W of conditions with given derivatives. Lines in J (scatter, noise) belong to a condition
     alone; all others are one error of a session's instruments, of both sessions where they are the same."""
@@ -203,30 +225,30 @@ def _estimate(
     parts = [(part, math.inf) for part in more]
     for name, weights in (("A", a), ("B", b)):
         for row, weight in weights:
-            for line in row["uncertainty"]:
-                part = weight * line["c"] * line["u"]
-                dof = math.inf if line["nu"] is None else line["nu"]
-                if line["unit"] == "J":
+            for line in row.uncertainty:
+                part = weight * line.c * line.u
+                dof = math.inf if line.nu is None else line.nu
+                if line.unit == "J":
                     parts.append((part, dof))
                 else:
-                    key = ("" if same else name, line["source"])
+                    key = ("" if same else name, line.source)
                     shared[key] += part
                     nu[key] = dof
     return combine(value, [*parts, *((part, nu[key]) for key, part in shared.items())])
 
 
-def _overall(pairs: Sequence[tuple[Row, Row]], same: bool) -> dict[str, Any] | None:
+def _overall(pairs: Sequence[Pair], same: bool) -> OverallDifference | None:
     """Sum of W_B over sum of W_A, less 1; None without a pair."""
-    total = math.fsum(a["W_exp"] for a, _ in pairs)
+    total = math.fsum(a.W_exp for a, _ in pairs)
     if not pairs or not total > 0:
         return None
-    ratio = math.fsum(b["W_exp"] for _, b in pairs) / total
+    ratio = math.fsum(b.W_exp for _, b in pairs) / total
     levels = [_level_part(a, b) / total for a, b in pairs]
     found = _estimate(
         ratio - 1, [(a, -ratio / total) for a, _ in pairs], [(b, 1 / total) for _, b in pairs], same, levels
     )
     nu = None if math.isinf(found.nu) else found.nu
-    return {"relative": found.value, "U": found.U, "k": found.k, "nu": nu, "n": len(pairs)}
+    return OverallDifference(found.value, found.U, found.k, nu, len(pairs))
 
 
 def kendall(x: Sequence[float], y: Sequence[float]) -> float | None:
@@ -240,26 +262,25 @@ def _sign(value: float) -> int:
     return (value > 0) - (value < 0)
 
 
-def _ranks(pairs: Sequence[tuple[Row, Row]]) -> dict[str, Any]:
+def _ranks(pairs: Sequence[Pair]) -> RankOrder:
     """Tau over the pairs with its 95 % interval (Fieller, Hartley and Pearson, Biometrika 44, 470 (1957): tanh of
     atanh(tau) ± 1.96 sqrt(0.437/(n - 4)), from 10 pairs on), and the orders that both sessions decide differently."""
-    tau = kendall([a["W_exp"] for a, _ in pairs], [b["W_exp"] for _, b in pairs])
+    tau = kendall([a.W_exp for a, _ in pairs], [b.W_exp for _, b in pairs])
     n, interval = len(pairs), None
     if tau is not None and n >= 10:
         z, half = math.atanh(max(-1 + 1e-12, min(tau, 1 - 1e-12))), 1.96 * math.sqrt(0.437 / (n - 4))
-        interval = [math.tanh(z - half), math.tanh(z + half)]
+        interval = math.tanh(z - half), math.tanh(z + half)
     opposite, decided = 0, []
     for (a, b), (c, d) in combinations(pairs, 2):
         in_a, in_b = _order(a, c), _order(b, d)
-        if (a["W_exp"] - c["W_exp"]) * (b["W_exp"] - d["W_exp"]) < 0:
+        if (a.W_exp - c.W_exp) * (b.W_exp - d.W_exp) < 0:
             opposite += 1
             if in_a * in_b < 0:
-                decided.append(f"{a['id']} and {c['id']}")
-    return {"n": n, "tau": tau, "interval": interval, "orders": n * (n - 1) // 2, "opposite": opposite,
-            "decided_opposite": decided}  # fmt: skip
+                decided.append(f"{a.id} and {c.id}")
+    return RankOrder(n, tau, interval, n * (n - 1) // 2, opposite, tuple(decided))
 
 
-def _order(one: Row, other: Row) -> int:
+def _order(one: ConditionRow, other: ConditionRow) -> int:
     """Which of two conditions of a session has the larger W: 1, -1, or 0 where their U does not tell."""
-    found = _estimate(one["W_exp"] - other["W_exp"], [(one, 1.0), (other, -1.0)], (), True)
+    found = _estimate(one.W_exp - other.W_exp, [(one, 1.0), (other, -1.0)], (), True)
     return _sign(found.value) if abs(found.value) > found.U else 0

@@ -1,13 +1,16 @@
 """Whether a session passes: ledger, nulls, references, record quality, chain comparison. Claims never decide it."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from analysis.comparison.family_of_tests import ALONE, chain_tests, needed
 from analysis.comparison.null_tests import Null
 from analysis.comparison.references import Reference
+from analysis.energy.sweep import SweepCurve
 from analysis.results.condition import Result
+from analysis.results.report import LeftOutRun
+from analysis.session.ledger_columns import CLOSURE
 from analysis.session.prediction import BEYOND
 from analysis.signals.quality import SUSPECT
 from analysis.text import counted
@@ -46,8 +49,8 @@ def verdict(
     nulls: Sequence[Null],
     references: Sequence[Reference],
     closure: float | None,
-    left_out: Sequence[Mapping[str, str]],
-    sweeps: Sequence[Mapping[str, Any]] = (),
+    left_out: Sequence[LeftOutRun],
+    sweeps: Sequence[SweepCurve] = (),
     limit: float = ALONE,
 ) -> Verdict:
     """Judge a session; sweeps: of runs that state no energy; limit: critical score of the family of tests. A check
@@ -55,7 +58,7 @@ def verdict(
     chain = [test.score <= limit for test in chain_tests(results)]
     share = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
-    faulted += [str(one["run"]) for one in sweeps if _faulted(one["flags"])]
+    faulted += [one.run for one in sweeps if _faulted(one.flags)]
     why = "the record holds no truth" if results else "a sweep states no energy" if sweeps else "no run can be used"
     checks = [
         _ledger(results, closure, why), *_nulls(nulls), *_references(references), _faults(faulted, left_out),
@@ -74,10 +77,10 @@ def _ledger(results: Sequence[Result], closure: float | None, why: str) -> tuple
     if closure is None:
         return True, f"The energy account is not checked: {why}."
     good = all(
-        run.ledger["closure"] <= CLOSES.get(result.setting.drive, CLOSES["servo"])
+        run.ledger[CLOSURE] <= CLOSES.get(result.setting.drive, CLOSES["servo"])
         for result in results
         for run in result.runs
-        if run.ledger is not None and "closure" in run.ledger
+        if run.ledger is not None and CLOSURE in run.ledger
     )
     return good, f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative."
 
@@ -142,9 +145,9 @@ def _faulted(flags: Sequence[str]) -> bool:
     return bool(FAULTS & set(flags) or found & set(SUSPECT)) or any(flag.startswith(NOT_REACHED) for flag in flags)
 
 
-def _faults(faulted: Sequence[str], left_out: Sequence[Mapping[str, str]]) -> tuple[bool, str]:
+def _faults(faulted: Sequence[str], left_out: Sequence[LeftOutRun]) -> tuple[bool, str]:
     if left_out:
-        return False, f"{counted(len(left_out), 'run')} cannot be used; the first: {left_out[0]['why']}."
+        return False, f"{counted(len(left_out), 'run')} cannot be used; the first: {left_out[0].why}."
     if faulted:
         if len(faulted) == 1:
             return False, f"1 run is overloaded or faulted: {faulted[0]}."

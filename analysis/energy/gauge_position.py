@@ -9,14 +9,13 @@ and the apparent mass of a load M by 1/(1 - w^2 M/k). Values brought to the box 
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.energy.energies import Energy
+from analysis.session.exciter import Exciter
 
 __all__ = ["AtBox", "at_box"]
 
@@ -35,16 +34,16 @@ class AtBox:
     M_stiffness: float
 
 
-def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter: Mapping[str, Any]) -> AtBox:
+def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter: Exciter) -> AtBox:
     """A run compensated with what the laboratory knows: ends ("box" or "exciter") of force gauge and accelerometer, the
     gauge's mass (kg), and the stinger in the exciter's document. What does not repeat from cycle to cycle stays as
     read.
     """
     jw: Complex = 2j * math.pi * energy.frequency * np.arange(1, energy.force.size + 1).astype(np.complex128)
-    stiffness, loss = float(exciter["stinger_stiffness"]), jw * float(exciter["stinger_damping"])
+    stiffness, loss = float(exciter.stinger_stiffness), jw * float(exciter.stinger_damping)
     places = gauge, accelerometer, mass, jw
     on_box, acceleration = _on_box(energy, *places, stiffness + loss)
-    stiffer = _on_box(energy, *places, stiffness * (1 + float(exciter["parts_U"]) / 2) + loss)
+    stiffer = _on_box(energy, *places, stiffness * (1 + float(exciter.parts_U) / 2) + loss)
     frequency, M = energy.frequency, _mass(on_box, acceleration)
     moved = _work(on_box, acceleration, jw, frequency) - _work(energy.force, energy.acceleration, jw, frequency)
     return AtBox(energy.W + moved, M, abs(complex(acceleration[0])), _mass(*stiffer) - M)

@@ -9,15 +9,17 @@ answer is off the steady one is told from the curve itself, (b/2) |H''|, by a pa
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts
 from analysis.session.setting import Setting
+from daq.documents.shapes import Number
 
-__all__ = ["fundamentals", "shift", "summary", "sweep"]
+__all__ = ["SweepCurve", "SweepSummary", "fundamentals", "shift", "summary", "sweep"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -27,13 +29,45 @@ PIECE = 1 << 20  # samples looked at together
 NEIGHBOURS = 3  # points on either side of a parabola
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepCurve:
+    """The sweep of one run with its flags and its uses of the exciter's limits (1: at it), SI: fundamentals (peak) at
+    the mean frequency of each cycle, or of `cycles_each` cycles together; phase by which force leads acceleration, rad;
+    apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and acceleration, over the largest
+    one."""
+
+    run: str
+    flags: tuple[str, ...]
+    use: Mapping[str, float]
+    condition: str
+    bed: str
+    fill: Annotated[float | None, Number(0.0)]
+    from_: float
+    to: float
+    rate: float
+    cycles_each: Annotated[int, Number(1, whole=True)]
+    frequency: tuple[float, ...]
+    force: tuple[float, ...]
+    acceleration: tuple[float, ...]
+    force_phase: tuple[float, ...]
+    M_eff: tuple[float, ...]
+    shift_force: float | None
+    shift_acceleration: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class SweepSummary:
+    """Where the acceleration of a sweep is largest and least, and where its force is least: value, and frequency."""
+
+    acceleration: tuple[float, float]
+    acceleration_least: tuple[float, float]
+    force_least: tuple[float, float]
+
+
 def sweep(
     record: Record, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
-) -> dict[str, Any]:
-    """The sweep of one run with its flags and its shares of the exciter's limits, SI: fundamentals (peak) at the mean
-    frequency of each cycle, or of some cycles together where they are more than MOST_POINTS; phase by which force leads
-    acceleration, rad; apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and
-    acceleration, over the largest one.
+) -> SweepCurve:
+    """The sweep of one run; cycles are taken together where they are more than MOST_POINTS.
 
     AnalysisError where the run is incomplete or a channel is missing.
     """
@@ -52,15 +86,15 @@ def sweep(
     force, acceleration = (x[:whole].reshape(-1, together).mean(axis=1) for x in (force, acceleration))
     pace = _pace(setting)
     ratio = force * acceleration.conj()
-    return {
-        "run": run.name, "flags": list(flags), "use": dict(use or {}),
-        "condition": run.condition, "bed": setting.bed, "fill": setting.fill,
-        "from": setting.frequency, "to": setting.sweep_to, "rate": pace, "cycles_each": together,
-        "frequency": frequency.tolist(), "force": np.abs(force).tolist(),
-        "acceleration": np.abs(acceleration).tolist(), "force_phase": np.angle(ratio).tolist(),
-        "M_eff": (ratio.real / np.abs(acceleration) ** 2).tolist(),
-        "shift_force": shift(frequency, force, pace), "shift_acceleration": shift(frequency, acceleration, pace),
-    }  # fmt: skip
+    return SweepCurve(
+        run=run.name, flags=tuple(flags), use=dict(use or {}),
+        condition=run.condition, bed=setting.bed, fill=setting.fill,
+        from_=setting.frequency, to=setting.sweep_to, rate=pace, cycles_each=together,
+        frequency=tuple(frequency.tolist()), force=tuple(np.abs(force).tolist()),
+        acceleration=tuple(np.abs(acceleration).tolist()), force_phase=tuple(np.angle(ratio).tolist()),
+        M_eff=tuple((ratio.real / np.abs(acceleration) ** 2).tolist()),
+        shift_force=shift(frequency, force, pace), shift_acceleration=shift(frequency, acceleration, pace),
+    )  # fmt: skip
 
 
 def _pace(setting: Setting) -> float:
@@ -128,17 +162,15 @@ def shift(frequency: Array, response: Complex, pace: float) -> float | None:
     return float(np.pi * abs(pace) * max(second) / np.abs(response).max())
 
 
-def summary(found: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """One line for each sweep: where the acceleration is largest and least, and where the force is least."""
-    rows = []
-    for one in found:
-        f, a, F = (np.array(one[name]) for name in ("frequency", "acceleration", "force"))
-        top, low, least = int(a.argmax()), int(a.argmin()), int(F.argmin())
-        rows.append(
-            {"run": one["run"], "condition": one["condition"], "bed": one["bed"], "from": one["from"], "to": one["to"],
-             "rate": one["rate"], "acceleration": float(a[top]), "at_acceleration": float(f[top]),
-             "acceleration_least": float(a[low]), "at_acceleration_least": float(f[low]),
-             "force_least": float(F[least]), "at_force_least": float(f[least]),
-             "shift_force": one["shift_force"], "shift_acceleration": one["shift_acceleration"]}
-        )  # fmt: skip
-    return rows
+def summary(one: SweepCurve) -> SweepSummary:
+    """Where a sweep is largest and least."""
+    acceleration, force = np.array(one.acceleration), np.array(one.force)
+
+    def point(values: Array, place: int) -> tuple[float, float]:
+        return float(values[place]), float(one.frequency[place])
+
+    return SweepSummary(
+        point(acceleration, int(acceleration.argmax())),
+        point(acceleration, int(acceleration.argmin())),
+        point(force, int(force.argmin())),
+    )

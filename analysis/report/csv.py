@@ -2,9 +2,9 @@
 
 import csv
 import io
-from typing import Any
 
-from analysis.session.ledger_columns import TERMS
+from analysis.results.condition_row import TERMS
+from analysis.results.report import Report
 from daq.strange_text import cell_text
 
 __all__ = ["csv_text"]
@@ -20,7 +20,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def csv_text(report: dict[str, Any]) -> str:
+def csv_text(report: Report) -> str:
     """The conditions as comma-separated values, SI units, names as in report.json, empty where not known.
 
     Text that a spreadsheet would compute as a formula stands behind an apostrophe.
@@ -28,8 +28,10 @@ def csv_text(report: dict[str, Any]) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*COLUMNS, "runs", *(f"offset_{name}" for name in TERMS)])
-    for row in report["conditions"]:
-        values = ("" if row[name] is None else cell_text(row[name]) for name in COLUMNS)
-        terms = row["offset_terms"] or dict.fromkeys(TERMS, "")
-        table.writerow([*values, len(row["runs"]), *(terms[name] for name in TERMS)])
+    for row in report.conditions:
+        found = (getattr(row, name) for name in COLUMNS)
+        values = ("" if value is None else cell_text(value) for value in found)
+        told = row.offset_terms
+        terms = [""] * len(TERMS) if told is None else [value for _, value in told.named()]
+        table.writerow([*values, len(row.runs), *terms])
     return text.getvalue()

@@ -1,48 +1,44 @@
 """What the report says of a deliberately bad experiment, first of all."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from analysis.report.tables.cells import Cell, Table
+from analysis.results.report import Report
 
 __all__ = ["mistake_sentences", "mistake_tables"]
-
-Report = Mapping[str, Any]
 
 
 def mistake_sentences(report: Report) -> tuple[str, ...]:
     """One paragraph where a mistake was made on purpose, none otherwise."""
-    found = report.get("mistake")
+    found = report.mistake
     if found is None:
         return ()
-    text = f"This is a deliberately bad experiment: {found['what']}."
-    known = [row for row in found["conditions"] if row["error"] is not None]
+    text = f"This is a deliberately bad experiment: {found.what}."
+    known = [(row.error, row) for row in found.conditions if row.error is not None]
     if known:
-        worst = max(known, key=lambda row: abs(row["error"]))
+        error, worst = max(known, key=lambda told: abs(told[0]))
         text += (
-            f" W comes out wrong by {100 * worst['error']:+.3g} % in condition {worst['id']}; the rule says "
-            f"{100 * worst['predicted']:+.3g} %."
+            f" W comes out wrong by {100 * error:+.3g} % in condition {worst.id}; the rule says "
+            f"{100 * (worst.predicted or 0.0):+.3g} %."
         )
-    return (f"{text} Rule: {found['rule']}. It shows in: {found['notice']}.",)
+    return (f"{text} Rule: {found.rule}. It shows in: {found.notice}.",)
 
 
 def mistake_tables(report: Report) -> tuple[Table, ...]:
     """The wrong and the right W, and the rule's error beside the one found; nothing without a mistake."""
-    found = report.get("mistake")
+    found = report.mistake
     if found is None:
         return ()
     note = (
         "W_exp as the bad experiment gives it and W_true from the rig's own ledger, mJ per cycle; eta from W_true and "
-        f"the apparent mass. Rule: {found['rule']}."
+        f"the apparent mass. Rule: {found.rule}."
     )
     head = ("id", "W_exp, mJ", "W_true, mJ", "eta", "error, %", "predicted, %", "error over predicted")
     rows = tuple(
         (
-            Cell(row["id"]), _number(row["W_exp"], ".4g", 1e3), _number(row["W_true"], ".4g", 1e3),
-            _number(row["eta"], ".3g"), _number(row["error"], "+.3g", 100), _number(row["predicted"], "+.3g", 100),
-            _number(row["ratio"], ".3f"),
+            Cell(row.id), _number(row.W_exp, ".4g", 1e3), _number(row.W_true, ".4g", 1e3),
+            _number(row.eta, ".3g"), _number(row.error, "+.3g", 100), _number(row.predicted, "+.3g", 100),
+            _number(row.ratio, ".3f"),
         )
-        for row in found["conditions"]
+        for row in found.conditions
     )  # fmt: skip
     return (Table("The deliberate mistake", note, head, rows),)
 

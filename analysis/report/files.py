@@ -1,17 +1,16 @@
-"""The report in four forms, all from the same dict: JSON, CSV, Markdown and one self-contained HTML page."""
+"""The report in four forms, all from the same values: JSON, CSV, Markdown and one self-contained HTML page."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from analysis.report.figures.drawing import Plot
+    from analysis.results.report import Report
 
 __all__ = ["write_report"]
 
 
-def write_report(
-    report: dict[str, Any], out_dir: Path | str, figures: bool = True, png: bool = False
-) -> tuple[Path, ...]:
+def write_report(report: "Report", out_dir: Path | str, figures: bool = True, png: bool = False) -> tuple[Path, ...]:
     """Write report.csv, report.md, report.html and report.json into out_dir (made where missing); return the paths.
 
     Every file is whole or the old one; report.json is the last to be replaced.
@@ -34,7 +33,7 @@ def write_report(
         "report.html": html_text(report, parts),
         **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
         **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
-        "report.json": json_text(report) + "\n",
+        "report.json": json_text(report.document()) + "\n",
     }
     return write_folder(Path(out_dir), files)
 

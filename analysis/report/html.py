@@ -1,7 +1,6 @@
 """report.html: one self-contained page, for screen, phone and paper."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from analysis.report import wording
 from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
@@ -11,6 +10,7 @@ from analysis.report.sections import Section, sections
 from analysis.report.style import CSS, SORT
 from analysis.report.tables.cells import Cell, Table
 from analysis.report.tables.fidelity import fidelity_sentences
+from analysis.results.report import Report
 from analysis.text import escape
 from daq.strange_text import LINES, visible
 
@@ -21,10 +21,10 @@ MANY = 200  # rows: a longer table is folded, so that a browser lays it out when
 WIDE = 14  # characters: longer words take a line of a phone's card
 
 
-def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
+def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
     """The report as a page without any outside reference: what was tested and the verdict first, then the sections."""
-    name = report["protocol"] or "session"
-    passes = report["verdict"] == "passes"
+    name = report.protocol or "session"
+    passes = report.passes
     found = f"<p class='result'>{escape(wording.headline(report))}</p>"
     checks = "<ul>" + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report)) + "</ul>"
     more = "".join(f"<p>{escape(text)}</p>" for text in wording.found(report))
@@ -32,7 +32,7 @@ def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) ->
     head = [
         f"<h1>{escape(name)}</h1>",
         f"<p class='lead'>{escape(wording.tested(report))}</p>",
-        f"<p><strong>Question:</strong> {escape(report['question'])}</p>" if report["question"] else "",
+        f"<p><strong>Question:</strong> {escape(report.question)}</p>" if report.question else "",
         *(
             f"<p>{escape(text)}</p>"
             for text in (wording.waveform(report), wording.support(report), losses_sentence(report))
@@ -46,7 +46,7 @@ def html_text(report: dict[str, Any], parts: Sequence[Section] | None = None) ->
         *(f"<p>{escape(text)}</p>" for text in fidelity_sentences(report)),
     ]
     shown = sections(report) if parts is None else parts
-    tail = [_file(name, text) for name, text in (report.get("resolved") or {}).items()]
+    tail = [_file(name, text) for name, text in (report.resolved.files() if report.resolved else ())]
     return page(f"{name}: agreement report", head, shown, tail)
 
 

@@ -1,13 +1,10 @@
 """What the losses outside the grains are called: by their law. The paper's words for two of them explain nothing."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from analysis.report.tables.cells import significant
+from analysis.results.cause_row import Span
+from analysis.results.report import Report
 
 __all__ = ["EXPLAINED", "first_principles", "loss_name", "losses_sentence"]
-
-Report = Mapping[str, Any]
 
 LAWS = {"noise": ("viscous", "sound that the box radiates"), "air": ("quadratic", "drag of the air on the box")}
 """Law of a loss by its name in the protocol, and what the paper's word for it would be by first principles."""
@@ -21,7 +18,7 @@ def loss_name(name: str, report: Report) -> str:
     if name not in LAWS:
         return name
     over = _over(name, report)
-    unexplained = "unexplained " if over is None or over["high"] > EXPLAINED else ""
+    unexplained = "unexplained " if over is None or (over.high or 0.0) > EXPLAINED else ""
     return f"{unexplained}{LAWS[name][0]} loss (the paper's {name})"
 
 
@@ -35,19 +32,19 @@ def first_principles(name: str, report: Report) -> str:
     over = _over(name, report)
     if over is None:
         return ""
-    low, high = (_rounded(over[edge]) for edge in ("low", "high"))
+    low, high = (_rounded(edge or 0.0) for edge in (over.low, over.high))
     times = low if low == high else f"{low} to {high}"
     return f"{times} times the {LAWS[name][1]} by first principles"
 
 
 def losses_sentence(report: Report) -> str:
     """What the stand loses outside the grains and nobody has explained; "" for records and for a stand without."""
-    if not report["synthetic"]:
+    if not report.synthetic:
         return ""
     told = []
-    for row in report["causes"]:
-        name = row["cause"]
-        if name in LAWS and row["in_run"] and loss_name(name, report).startswith("unexplained"):
+    for row in report.causes:
+        name = row.cause
+        if name in LAWS and row.in_run and loss_name(name, report).startswith("unexplained"):
             size = first_principles(name, report)
             told.append(f"an {loss_name(name, report)}{f', {size}' if size else ''}")
     if not told:
@@ -56,8 +53,8 @@ def losses_sentence(report: Report) -> str:
     return f"Between gauge and bed the stand has {listed}: coefficients that were put in and explain no offset."
 
 
-def _over(name: str, report: Report) -> dict[str, float] | None:
-    found = (row["over_first_principles"] for row in report["causes"] if row["cause"] == name)
+def _over(name: str, report: Report) -> Span | None:
+    found = (row.over_first_principles for row in report.causes if row.cause == name)
     return next(found, None)
 
 

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from analysis.report import wording
 from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
@@ -10,6 +9,7 @@ from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
 from analysis.report.tables.cells import Table
 from analysis.report.tables.fidelity import fidelity_sentences
+from analysis.results.report import Report
 from daq.strange_text import LINES, visible
 
 __all__ = ["markdown_text", "plain", "section_texts"]
@@ -24,12 +24,12 @@ _BLOCK = re.compile(r"^[-+=]|^\d{1,9}[.)](?=\s|$)")
 """The first characters of a list, a rule or the line under a heading."""
 
 
-def markdown_text(report: dict[str, Any], parts: Sequence[Section] | None = None) -> str:
+def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str:
     """The report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
-    name = report["protocol"] or "session"
+    name = report.protocol or "session"
     lines = [f"# {plain(name)}: agreement of measured and predicted dissipation", plain(wording.tested(report))]
-    if report["question"]:
-        lines.append(f"Question: {plain(report['question'])}")
+    if report.question:
+        lines.append(f"Question: {plain(report.question)}")
     lines += [
         *(plain(text) for text in (wording.waveform(report), wording.support(report), losses_sentence(report)) if text),
         f"## Verdict: {plain(wording.verdict_line(report))}",

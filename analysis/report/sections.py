@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from analysis.report import wording
 from analysis.report.figures.cycles import repeats_plot, waveform_plot
@@ -16,10 +15,9 @@ from analysis.report.tables.fidelity import fidelity
 from analysis.report.tables.gauge_position import at_box
 from analysis.report.tables.offset_tables import causes, offset_terms
 from analysis.report.tables.sweep import sweeps
+from analysis.results.report import Report
 
 __all__ = ["Section", "plots", "sections"]
-
-Report = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 import csv
 import io
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from analysis.comparison.two_sessions import FARTHEST
 from analysis.report.figures.axes import BLUE, GREY, INK, ORANGE, Panel, legend, linear, logarithmic
@@ -12,21 +12,21 @@ from analysis.report.html import page
 from analysis.report.markdown import plain, section_texts
 from analysis.report.sections import Section
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, with_U
+from analysis.results.compared import ComparedPair, ComparedSession, Comparison
 from analysis.text import counted, escape
 from daq.strange_text import cell_text, json_text
 from daq.whole_files import write_folder
 
 __all__ = ["comparison_sentences", "write_comparison"]
 
-Found = dict[str, Any]
 NAMES = {"material": "material", "density": "density", "diameter": "diameter", "fill": "fill", "frequency": "frequency",
          "acceleration": "acceleration"}  # fmt: skip
 
 
-def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
+def write_comparison(found: Comparison, out_dir: Path) -> tuple[Path, ...]:
     """Write the comparison (analysis.comparison.two_sessions.compare) into out_dir, made where missing; the paths.
     Equal comparisons give equal bytes."""
-    name = " against ".join(session["name"] for session in reversed(found["sessions"]))
+    name = " against ".join(session.name for session in reversed(found.sessions))
     parts, told = _sections(found), comparison_sentences(found)
     head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(told[0])}</p>", "<section class='verdict good'>",
             f"<h2>Finding</h2><p class='result'>{escape(told[1])}</p>",
@@ -37,56 +37,56 @@ def write_comparison(found: Found, out_dir: Path) -> tuple[Path, ...]:
         "comparison.md": "\n\n".join(lines) + "\n",
         "comparison.html": page(f"{name}: comparison", head, parts),
         **{f"figures/{plot.name}.svg": plot.svg for part in parts for plot in part.plots},
-        "comparison.json": json_text(found) + "\n",
+        "comparison.json": json_text(found.document()) + "\n",
     }
     return write_folder(out_dir, files)
 
 
-def comparison_sentences(found: Found) -> tuple[str, ...]:
+def comparison_sentences(found: Comparison) -> tuple[str, ...]:
     """What was compared, the finding, ranks, what was left out and what was assumed."""
-    a, b = (_who(session) for session in found["sessions"])
+    a, b = (_who(session) for session in found.sessions)
     return tuple(filter(None, (f"A is {a}. B is {b}.", _overall(found), _single(found), _ranks(found), _basis(found))))
 
 
-def _who(session: Found) -> str:
-    kind = "simulated" if session["synthetic"] else "measured"
-    ratio = "" if session["ratio"] is None else (
-        f", W_exp/W_T = {with_U(session['ratio'], session['U_ratio']).text}"
+def _who(session: ComparedSession) -> str:
+    kind = "simulated" if session.synthetic else "measured"
+    ratio = "" if session.ratio is None else (
+        f", W_exp/W_T = {with_U(session.ratio, session.U_ratio).text}"
     )  # fmt: skip
-    what = "no usable condition" if not session["conditions"] else (
-        f"bed {', '.join(session['beds'])}, drive {', '.join(session['drives'])}, "
-        f"{counted(session['conditions'], 'condition')}"
+    what = "no usable condition" if not session.conditions else (
+        f"bed {', '.join(session.beds)}, drive {', '.join(session.drives)}, "
+        f"{counted(session.conditions, 'condition')}"
     )  # fmt: skip
-    return f"{session['name']} ({kind}, {what}, {session['verdict']}{ratio})"
+    return f"{session.name} ({kind}, {what}, {session.verdict}{ratio})"
 
 
-def _overall(found: Found) -> str:
-    over = found["overall"]
+def _overall(found: Comparison) -> str:
+    over = found.overall
     if over is None:
-        if found["pairs"]:
+        if found.pairs:
             return "A dissipates nothing over the matched conditions: no ratio can be given."
         return f"No condition of both sessions has the same settings: nothing can be compared{_first_why(found)}."
-    amount = with_U(abs(over["relative"]), over["U"], 100).text.split(" ± ")
+    amount = with_U(abs(over.relative), over.U, 100).text.split(" ± ")
     margin = f" ± {amount[1]} %" if len(amount) > 1 else ""
-    more = "more" if over["relative"] >= 0 else "less"
-    word = "significant" if abs(over["relative"]) > over["U"] else "not significant"
+    more = "more" if over.relative >= 0 else "less"
+    word = "significant" if abs(over.relative) > over.U else "not significant"
     return (
-        f"Over {counted(over['n'], 'matched condition')} B dissipates {amount[0]} %{margin} {more} than A "
-        f"(k = {over['k']:.2f}, weighted with energy): {word} at 95 %."
+        f"Over {counted(over.n, 'matched condition')} B dissipates {amount[0]} %{margin} {more} than A "
+        f"(k = {over.k:.2f}, weighted with energy): {word} at 95 %."
     )
 
 
-def _first_why(found: Found) -> str:
-    return f" ({found['alone'][0]['id']}: {found['alone'][0]['why']})" if found["alone"] else ""
+def _first_why(found: Comparison) -> str:
+    return f" ({found.alone[0].id}: {found.alone[0].why})" if found.alone else ""
 
 
-def _single(found: Found) -> str:
-    rows = found["pairs"]
-    sure = [row for row in rows if row["significant"]]
+def _single(found: Comparison) -> str:
+    rows = found.pairs
+    sure = [row for row in rows if row.significant]
     if not rows:
         return ""
-    names = f": {', '.join(row['A'] for row in sure[:8])}{' and more' if len(sure) > 8 else ''}" if sure else ""
-    alone = [row for row in sure if min(row["runs_A"], row["runs_B"]) == 1]
+    names = f": {', '.join(row.A for row in sure[:8])}{' and more' if len(sure) > 8 else ''}" if sure else ""
+    alone = [row for row in sure if min(row.runs_A, row.runs_B) == 1]
     refilled = (
         f" Of these {len(alone)} with a single run in a session: its U lacks the scatter between refills, and another "
         "refill may be the whole difference."
@@ -99,31 +99,31 @@ def _single(found: Found) -> str:
     )
 
 
-def _ranks(found: Found) -> str:
-    ranks = found["ranks"]
-    if ranks["tau"] is None:
+def _ranks(found: Comparison) -> str:
+    ranks = found.ranks
+    if ranks.tau is None:
         return ""
-    interval = "" if ranks["interval"] is None else (
-        f" (95 %: {ranks['interval'][0]:.2f} to {ranks['interval'][1]:.2f})"
+    interval = "" if ranks.interval is None else (
+        f" (95 %: {ranks.interval[0]:.2f} to {ranks.interval[1]:.2f})"
     )  # fmt: skip
     text = (
-        f"Ranks: Kendall's tau is {ranks['tau']:.3f}{interval}; {ranks['opposite']} of {ranks['orders']} orders of two "
-        f"conditions are opposite, {len(ranks['decided_opposite'])} of them told by both sessions"
+        f"Ranks: Kendall's tau is {ranks.tau:.3f}{interval}; {ranks.opposite} of {ranks.orders} orders of two "
+        f"conditions are opposite, {len(ranks.decided_opposite)} of them told by both sessions"
     )
-    some = ", ".join(ranks["decided_opposite"][:5])
+    some = ", ".join(ranks.decided_opposite[:5])
     return f"{text}{f' ({some})' if some else ''}."
 
 
-def _basis(found: Found) -> str:
+def _basis(found: Comparison) -> str:
     same = (
         "Both sessions used the same instruments: what these do wrong is common and cancels."
-        if found["same_instruments"]
+        if found.same_instruments
         else "The instruments of the two sessions are taken for different ones: their errors do not cancel."
     )
-    left_out = len(found["alone"])
+    left_out = len(found.alone)
     alone = f"{counted(left_out, 'condition')} {'is' if left_out == 1 else 'are'}" if left_out else "No condition is"
-    keys = ", ".join(NAMES[name] for name in found["matched_by"])
-    unknown = [name for name in found["matched_by"] if any(name in row["not_compared"] for row in found["pairs"])]
+    keys = ", ".join(NAMES[name] for name in found.matched_by)
+    unknown = [name for name in found.matched_by if any(name in row.not_compared for row in found.pairs)]
     left = f"Not compared, because one of both does not know it: {', '.join(unknown)}. " if unknown else ""
     return (
         f"Matched by {keys}, where both know them; bed and drive may differ. {left}{alone} left "
@@ -132,7 +132,7 @@ def _basis(found: Found) -> str:
     )
 
 
-def _sections(found: Found) -> tuple[Section, ...]:
+def _sections(found: Comparison) -> tuple[Section, ...]:
     plots, tables = _plots(found), (_pairs(found), _alone(found))
     return tuple(
         section
@@ -144,23 +144,24 @@ def _sections(found: Found) -> tuple[Section, ...]:
     )
 
 
-def _plots(found: Found) -> tuple[Plot, ...]:
-    rows = [row for row in found["pairs"] if row["relative"] is not None]
-    if not rows:
+def _plots(found: Comparison) -> tuple[Plot, ...]:
+    told = [(row, row.relative, row.U_relative or 0.0) for row in found.pairs if row.relative is not None]
+    if not told:
         return ()
-    W_A, W_B = ([1e3 * row[name] for row in rows] for name in ("W_A", "W_B"))
+    rows = [row for row, _, _ in told]
+    W_A, W_B = [1e3 * row.W_A for row in rows], [1e3 * row.W_B for row in rows]
     both = [*W_A, *W_B]
     against = Panel(logarithmic(both), logarithmic(both), "W of A, mJ per cycle", "W of B, mJ per cycle", "B against A")
     ends = (min(both), max(both))
     against.line(ends, ends, GREY, 1.0, "5 3")
-    against.bars(W_A, W_B, [1e3 * row["U_B"] for row in rows], BLUE)
-    offset, U = ([100 * row[name] for row in rows] for name in ("relative", "U_relative"))
+    against.bars(W_A, W_B, [1e3 * row.U_B for row in rows], BLUE)
+    offset, U = [100 * relative for _, relative, _ in told], [100 * U for _, _, U in told]
     limits = [y + sign * half for y, half in zip(offset, U, strict=True) for sign in (-1, 1)]
     apart = Panel(logarithmic(W_A), linear([*limits, 0.0]), "W of A, mJ per cycle", "B over A − 1, %", "Difference")
-    over = found["overall"]
+    over = found.overall
     if over is not None:
-        apart.spread(100 * (over["relative"] - over["U"]), 100 * (over["relative"] + over["U"]), ORANGE, 0.2)
-        apart.level(100 * over["relative"], ORANGE)
+        apart.spread(100 * (over.relative - over.U), 100 * (over.relative + over.U), ORANGE, 0.2)
+        apart.level(100 * over.relative, ORANGE)
     apart.level(0.0, INK)
     apart.bars(W_A, offset, U, BLUE)
     alt = (
@@ -175,19 +176,19 @@ def _plots(found: Found) -> tuple[Plot, ...]:
     return (Plot("comparison", "B against A", alt, (legend(words), against.drawing(), apart.drawing())),)
 
 
-def _pairs(found: Found) -> Table:
+def _pairs(found: Comparison) -> Table:
     head = ("A", "B", "grains", "fill, %", "f, Hz", "a of A, m/s²", "a of B, m/s²", "bed A",
             "bed B", "W of A ± U, mJ", "W of B ± U, mJ",
             "B − A, mJ", "B − A, %", "E_n", "p, Holm", "significant")  # fmt: skip
     rows = tuple(
         (
-            Cell(row["A"]), Cell(row["B"]), Cell(_grains(row)), _setting(row["fill"], 100), _setting(row["frequency"]),
-            _setting(row["acceleration_A"]), _setting(row["acceleration_B"]), Cell(row["bed_A"]), Cell(row["bed_B"]),
-            with_U(row["W_A"], row["U_A"], 1e3), with_U(row["W_B"], row["U_B"], 1e3),
-            with_U(row["difference"], row["U_difference"], 1e3), with_U(row["relative"], row["U_relative"], 100),
-            fixed(row["E_n"], 2), number(row["p_holm"], 2), Cell("yes" if row["significant"] else "no"),
+            Cell(row.A), Cell(row.B), Cell(_grains(row)), _setting(row.fill, 100), _setting(row.frequency),
+            _setting(row.acceleration_A), _setting(row.acceleration_B), Cell(row.bed_A), Cell(row.bed_B),
+            with_U(row.W_A, row.U_A, 1e3), with_U(row.W_B, row.U_B, 1e3),
+            with_U(row.difference, row.U_difference, 1e3), with_U(row.relative, row.U_relative, 100),
+            fixed(row.E_n, 2), number(row.p_holm, 2), Cell("yes" if row.significant else "no"),
         )
-        for row in found["pairs"]
+        for row in found.pairs
     )  # fmt: skip
     note = (
         "a: the level reached. The difference in per cent is left out where one of both is below its detection limit "
@@ -201,26 +202,26 @@ def _setting(value: float | None, scale: float = 1.0) -> Cell:
     return UNKNOWN if value is None else Cell(f"{scale * value:.4g}", scale * value)
 
 
-def _grains(row: Found) -> str:
-    size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:.4g} mm"
-    return f"{row['material']}{size}"
+def _grains(row: ComparedPair) -> str:
+    size = "" if row.diameter is None else f" {1e3 * row.diameter:.4g} mm"
+    return f"{row.material}{size}"
 
 
-def _alone(found: Found) -> Table:
-    rows = tuple((Cell(row["session"]), Cell(row["id"]), Cell(row["why"])) for row in found["alone"])
+def _alone(found: Comparison) -> Table:
+    rows = tuple((Cell(row.session), Cell(row.id), Cell(row.why)) for row in found.alone)
     return Table("Conditions without a match", "", ("session", "id", "why"), rows)
 
 
-def _csv(found: Found) -> str:
+def _csv(found: Comparison) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    names = [*found["pairs"][0]] if found["pairs"] else []
+    names = [each.name for each in fields(ComparedPair)] if found.pairs else []
     table.writerow(names)
-    table.writerows([[_plain(row[name]) for name in names] for row in found["pairs"]])
+    table.writerows([[_plain(getattr(row, name)) for name in names] for row in found.pairs])
     return text.getvalue()
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     if value is None:
         return ""
-    return cell_text(" ".join(value) if isinstance(value, list) else value)
+    return cell_text(" ".join(value) if isinstance(value, tuple) else value)

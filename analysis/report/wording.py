@@ -2,10 +2,11 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from analysis.report.tables.cells import significant, with_U
+from analysis.results.condition_row import ConditionRow
+from analysis.results.report import Report
 
 __all__ = [
     "again",
@@ -20,8 +21,6 @@ __all__ = [
     "waveform",
 ]
 
-Report = Mapping[str, Any]
-
 FEW = 6  # conditions whose energies the verdict names
 TOLD = 1e-3  # least relative difference between refills and nominal bed that the verdict mentions
 
@@ -29,13 +28,13 @@ TOLD = 1e-3  # least relative difference between refills and nominal bed that th
 def tested(report: Report) -> str:
     """The report's first sentence: what a run like this can show."""
     if only_sweeps(report):
-        found = sorted({one["bed"] for one in report["sweeps"]})
+        found = sorted({one.bed for one in report.sweeps})
         return f"This run shows force and acceleration against frequency ({', '.join(found)}): it states no energy."
-    predicted = {row["bed"] for row in report["conditions"] if row["W_T"]}
-    beds = sorted(predicted or {row["bed"] for row in report["conditions"]})
+    predicted = {row.bed for row in report.conditions if row.W_T}
+    beds = sorted(predicted or {row.bed for row in report.conditions})
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
-    if report["tests"] == "chain":
+    if report.tests == "chain":
         if not _predicted(report):
             return f"This run checks the measurement chain: nothing is predicted for the {word} {listed}."
         return (
@@ -49,10 +48,10 @@ def tested(report: Report) -> str:
 
 def waveform(report: Report) -> str:
     """Where the signals come from, and which waveform was assumed."""
-    origin = "All signals are synthetic." if report["synthetic"] else "The signals were measured."
-    if only_sweeps(report) and report["synthetic"]:
+    origin = "All signals are synthetic." if report.synthetic else "The signals were measured."
+    if only_sweeps(report) and report.synthetic:
         return f"{origin} The box moves as exciter and bed let it."
-    shaken = [row["thd_acceleration"] for row in report["conditions"] if row["drive"] == "coupled"]
+    shaken = [row.thd_acceleration for row in report.conditions if row.drive == "coupled"]
     told = [value for value in shaken if value is not None]
     if told:
         given = " W_T is given on a sine of the same fundamental and on the recorded waveform."
@@ -60,9 +59,9 @@ def waveform(report: Report) -> str:
             f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {_between(told)} "
             f"(harmonics over fundamental).{given if _predicted(report) else ''}"
         )
-    if report["waveform"] != "ideal":
+    if report.waveform != "ideal":
         return origin
-    found = [row["thd_box"] for row in report["conditions"] if row["thd_box"] is not None]
+    found = [row.thd_box for row in report.conditions if row.thd_box is not None]
     spread = _between(found) if found else "an unknown amount"
     return (
         f"{origin} An ideal waveform is assumed: the box follows the programmed motion exactly, where the bed's force "
@@ -72,11 +71,11 @@ def waveform(report: Report) -> str:
 
 def only_sweeps(report: Report) -> bool:
     """Whether every run that was read is a sweep, of which no energy is stated."""
-    return bool(report.get("sweeps")) and not report["conditions"]
+    return bool(report.sweeps) and not report.conditions
 
 
 def _predicted(report: Report) -> bool:
-    return any(row["W_T"] for row in report["conditions"])
+    return any(row.W_T for row in report.conditions)
 
 
 def _between(shares: Sequence[float]) -> str:
@@ -86,17 +85,17 @@ def _between(shares: Sequence[float]) -> str:
 
 def verdict_line(report: Report) -> str:
     """The verdict in a word, and where no energy was there to judge, that."""
-    if only_sweeps(report) and report["verdict"] == "passes":
+    if only_sweeps(report) and report.passes:
         return "Nothing judged, a sweep states no energy"
-    return "Passes" if report["verdict"] == "passes" else "Fails"
+    return "Passes" if report.passes else "Fails"
 
 
 def support(report: Report) -> str:
     """What was taken for the support below the box; nothing where the session does not say."""
-    kinds = report.get("support") or []
+    kinds = report.support
     if not kinds:
         return ""
-    if kinds == ["none"]:
+    if kinds == ("none",):
         return "No support is assumed: nothing but the gauge holds or drives the box."
     return f"Assumed support of the box: {', '.join(kinds)}."
 
@@ -104,39 +103,39 @@ def support(report: Report) -> str:
 def reasons(report: Report) -> tuple[str, ...]:
     """One sentence per check that held, or could not be made."""
     failed = set(failures(report))
-    return tuple(reason for reason in report["reasons"] if reason not in failed)
+    return tuple(reason for reason in report.reasons if reason not in failed)
 
 
 def failures(report: Report) -> tuple[str, ...]:
     """The checks that failed, which are said first."""
-    return tuple(report.get("failures", ()))
+    return report.failures
 
 
 def headline(report: Report) -> str:
     """How far measurement and prediction are apart."""
     if only_sweeps(report):
         return "A sweep states no energy: nothing was compared with a prediction."
-    found = report["agreement"]
-    if found["ratio"] is None and _predicted(report):
+    found = report.agreement
+    if found.ratio is None and _predicted(report):
         hidden = "No predicted energy stands out of the detection limit and of U of W_exp, so no offset is stated"
-        return f"{hidden}{_ruled(found['put_in'])}."
-    if found["ratio"] is None:
-        where = "" if found.get("ratio_recorded") is None else " on a sine"
+        return f"{hidden}{_ruled(found.put_in)}."
+    if found.ratio is None:
+        where = "" if found.ratio_recorded is None else " on a sine"
         return f"There is no predicted energy{where} to compare with. {_measured(report)}".rstrip()
-    offset, U = found["ratio"] - 1, found["U_ratio"]
-    nu = "∞" if found["nu"] is None else f"{found['nu']:.0f}"
+    offset, U = found.ratio - 1, found.U_ratio
+    nu = "∞" if found.nu is None else f"{found.nu:.0f}"
     amount = with_U(abs(offset), U, 100.0).text.split(" ± ")
     relation = "exceeds" if offset >= 0 else "falls short of"
     margin = f" ± {amount[1]} %" if len(amount) > 1 else ""
-    text = f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found['k']:.2f}, nu = {nu}), weighted with energy"
-    if found["put_in"] is not None:
-        put_in = f"{significant(100 * found['put_in'], 2)} %"
-        if found["put_in"] == 0:
+    text = f"W_exp {relation} W_T by {amount[0]} %{margin} (k = {found.k:.2f}, nu = {nu}), weighted with energy"
+    if found.put_in is not None:
+        put_in = f"{significant(100 * found.put_in, 2)} %"
+        if found.put_in == 0:
             text += "; the rig file puts in nothing (no losses of the box)"
-        elif 0 <= found["put_in"] <= offset:
+        elif 0 <= found.put_in <= offset:
             text += f"; of this {put_in} was put in by the rig file (losses of the box)"
         else:
-            rest = f"{significant(100 * (offset - found['put_in']), 2)} %"
+            rest = f"{significant(100 * (offset - found.put_in), 2)} %"
             text += f"; losses of the box that the rig file puts in account for {put_in}, everything else for {rest}"
     return f"{text}."
 
@@ -152,11 +151,11 @@ def _ruled(put_in: float | None) -> str:
 
 def _measured(report: Report) -> str:
     """What was measured: each of a few conditions, of more the range."""
-    rows = report["conditions"]
+    rows = report.conditions
     if len(rows) > FEW:
-        low, high = (significant(1e3 * edge(row["W_exp"] for row in rows), 3) for edge in (min, max))
+        low, high = (significant(1e3 * edge(row.W_exp for row in rows), 3) for edge in (min, max))
         return f"W_exp is {low} to {high} mJ per cycle in {len(rows)} conditions."
-    told = [f"{row['id']} {with_U(row['W_exp'], row['U_W_exp'], 1e3).text}" for row in rows]
+    told = [f"{row.id} {with_U(row.W_exp, row.U_W_exp, 1e3).text}" for row in rows]
     return f"W_exp in mJ per cycle: {', '.join(told)}." if told else ""
 
 
@@ -168,65 +167,66 @@ def found(report: Report) -> tuple[str, ...]:
 
 def _on_recorded(report: Report) -> str:
     """The comparison on the recorded waveforms, where it was made."""
-    ratio, U = (report["agreement"].get(name) for name in ("ratio_recorded", "U_ratio_recorded"))
+    ratio, U = report.agreement.ratio_recorded, report.agreement.U_ratio_recorded
     if ratio is None or U is None:
         return ""
-    ruled = _ruled(report["agreement"].get("put_in_recorded"))
+    ruled = _ruled(report.agreement.put_in_recorded)
     amount = with_U(abs(ratio - 1), U, 100).text.replace(" ± ", " % ± ")
     return f"Against W_T on the recorded waveform W_exp is {amount} % {'more' if ratio >= 1 else 'less'}{ruled}."
 
 
 def _line(report: Report) -> str:
     """The slope, or that none is stated: chi^2 has a probability below 0.1 % where a line is true."""
-    found = report["agreement"]
-    line = found["line"]
-    if found["slope"] is None:
-        if found["n"] < 2:
+    found = report.agreement
+    line = found.line
+    if found.slope is None:
+        if found.n < 2:
             return ""
-        if line is None or line["slope"] is not None:
+        if line is None or line.slope is not None:
             return "The offset is not the same fraction of W_T in all conditions, so no slope is stated."
         return (
-            f"No straight line describes W_exp against W_T (chi² {line['chi2']:.0f}, {line['dof']:.0f} degrees of "
+            f"No straight line describes W_exp against W_T (chi² {line.chi2:.0f}, {line.dof:.0f} degrees of "
             "freedom): the offset is not in proportion to W_T, and no slope is stated."
         )
-    return f"Slope through the origin {with_U(found['slope'], found['U_slope']).text}."
+    return f"Slope through the origin {with_U(found.slope, found.U_slope).text}."
 
 
 def _mean_offset(report: Report) -> str:
     """The unweighted mean, with the condition that dominates it where one does."""
-    mean, rows = report["agreement"]["mean_offset"], [row for row in report["conditions"] if row["offset"] is not None]
+    mean = report.agreement.mean_offset
+    rows = [(row.offset, row) for row in report.conditions if row.offset is not None]
     if mean is None or not rows:
         return ""
-    offsets = sorted(row["offset"] for row in rows)
+    offsets = sorted(offset for offset, _ in rows)
     if len(rows) == 1:
         return ""
     half = len(offsets) // 2
     median = (offsets[half] + offsets[~half]) / 2
     text = f"The mean offset of the {len(rows)} conditions above the detection limit is {_percent(mean)}"
-    top = max(rows, key=lambda row: abs(row["offset"]))
-    without = (sum(offsets) - top["offset"]) / (len(rows) - 1) if len(rows) > 1 else mean
-    if abs(top["offset"]) < 2 * sum(abs(o) for o in offsets) / 3 or len(rows) < 3:
+    largest, top = max(rows, key=lambda each: abs(each[0]))
+    without = (sum(offsets) - largest) / (len(rows) - 1) if len(rows) > 1 else mean
+    if abs(largest) < 2 * sum(abs(o) for o in offsets) / 3 or len(rows) < 3:
         return f"{text}, the median {_percent(median)}."
     return (
-        f"{text}. {top['id']} dominates it: W_T is only {significant(1e3 * top['W_T'], 2)} mJ there, and the offset "
-        f"{_percent(top['offset'])}. Without {top['id']} the mean is {_percent(without)}; the median is "
+        f"{text}. {top.id} dominates it: W_T is only {significant(1e3 * (top.W_T or 0.0), 2)} mJ there, and the offset "
+        f"{_percent(largest)}. Without {top.id} the mean is {_percent(without)}; the median is "
         f"{_percent(median)}."
     )
 
 
 def _nominal(report: Report) -> str:
     """What W_T leaves out: it is of the nominal bed, and the mean of poured beds is another."""
-    rows = [row for row in report["conditions"] if row.get("refill_mean") is not None and row["offset"] is not None]
+    told = [row for row in report.conditions if row.offset is not None]
+    rows = [(row.refill_mean, row.W_T or 0.0, row) for row in told if row.refill_mean is not None]
     if not rows:
         return ""
-    total = sum(row["W_T"] for row in rows)
-    mean = sum(row["W_T"] * row["refill_mean"] for row in rows) / total
-    most = max(rows, key=lambda row: abs(row["refill_mean"]))
-    if abs(most["refill_mean"]) < TOLD:
+    mean = sum(W_T * refill for refill, W_T, _ in rows) / sum(W_T for _, W_T, _ in rows)
+    largest, _, most = max(rows, key=lambda each: abs(each[0]))
+    if abs(largest) < TOLD:
         return ""
     return (
         f"W_T is that of the nominal bed. The model predicts that refilled beds take {_beyond(mean)} on average over "
-        f"the conditions (largest difference in {most['id']}: {_beyond(most['refill_mean'])}). This difference is part "
+        f"the conditions (largest difference in {most.id}: {_beyond(largest)}). This difference is part "
         "of U of W_T, offset and ratio; their values are not corrected for it."
     )
 
@@ -237,13 +237,13 @@ def _beyond(share: float) -> str:
 
 def _coverage(report: Report) -> str:
     """What the stated intervals hold where refills scatter with a large skew, and how many refills mend it."""
-    rows = [row for row in report["conditions"] if row.get("refill_coverage") is not None]
+    known = [(row.refill_coverage, row.refill_coverage_plain or 0.0, row) for row in report.conditions]
+    rows = [(share, plain, row) for share, plain, row in known if share is not None]
     if not rows:
         return ""
     shown = [
-        f"{row['id']} (skew {row['refill_skew']:.1f}) {100 * row['refill_coverage']:.1f} % "
-        f"({100 * row['refill_coverage_plain']:.1f} %{_needs(row)})"
-        for row in sorted(rows, key=lambda row: row["refill_coverage_plain"])
+        f"{row.id} (skew {row.refill_skew:.1f}) {100 * share:.1f} % ({100 * plain:.1f} %{_needs(row)})"
+        for share, plain, row in sorted(rows, key=lambda each: each[1])
     ]
     rest = f"; no less in {len(shown) - FEW} more conditions" if len(shown) > FEW else ""
     return (
@@ -253,29 +253,29 @@ def _coverage(report: Report) -> str:
     )
 
 
-def _needs(row: Report) -> str:
+def _needs(row: ConditionRow) -> str:
     """How many refills Student's t needs for 93 %, where there are fewer."""
-    needed = row["refills_needed"]
-    if needed is not None and needed <= len(row["runs"]):
+    needed = row.refills_needed
+    if needed is not None and needed <= len(row.runs):
         return ""
     return ", more than 128 refills" if needed is None else f", {needed} refills"
 
 
 def _claims(report: Report) -> str:
     """How many claims hold, do not, are undecided, were put in."""
-    if not report["claims"]:
+    if not report.claims:
         return ""
-    count = Counter(row["verdict"] for row in report["claims"])
+    count = Counter(row.verdict for row in report.claims)
     words = {"holds": "hold", "does not hold": "do not hold", "undecided": "are undecided", "imposed": "are imposed"}
-    if len(report["claims"]) == 1:
-        return f"The only claim: {report['claims'][0]['verdict']}."
+    if len(report.claims) == 1:
+        return f"The only claim: {report.claims[0].verdict}."
     single = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided", "imposed": "is imposed"}
     told = [f"{count[word]} {(single if count[word] == 1 else words)[word]}" for word in words if count[word]]
-    return f"Of {len(report['claims'])} claims {', '.join(told)}."
+    return f"Of {len(report.claims)} claims {', '.join(told)}."
 
 
 def _flags(report: Report) -> str:
-    names = [entry["flag"] for entry in report["flags"]]
+    names = [entry.flag for entry in report.flags]
     return f"Flags: {', '.join(names)}." if names else "No run carries a flag."
 
 
@@ -285,13 +285,13 @@ def _percent(value: float) -> str:
 
 def again(report: Report) -> tuple[tuple[str, str], ...]:
     """Commands that make this report again, with what each does."""
-    name = re.sub(r"[^\w.-]", "_", report["protocol"]) or "protocol"
+    name = re.sub(r"[^\w.-]", "_", report.protocol) or "protocol"
     again = ("rig report session.h5", "makes this report again from the record alone.")
-    if not report["synthetic"]:
+    if not report.synthetic:
         return (again,)
-    resolved = report.get("resolved") or {}
+    resolved = report.resolved
     run = "repeats the whole session from its protocol, seed included; the session file holds it too."
-    if resolved.get("protocol") and resolved.get("rig"):
+    if resolved is not None and resolved.protocol and resolved.rig:
         run = "repeats the whole session, seed included: both files are at the end of this page or in report.json."
         return ((f"rig run {name}.yaml --rig {name}_rig.yaml", run), again)
     return ((f"rig run {name}.yaml", run), again)

@@ -7,15 +7,15 @@ tells the force (half the resonance of the armature on its stinger), and everyth
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.energy.energies import Energy
 from analysis.results.run import Coil
+from analysis.session.exciter import Exciter
 from analysis.session.record import ChannelFacts
 from analysis.uncertainty.budget import CERTIFICATE_NU, combine, scatter_line, stretch_of
 from analysis.uncertainty.budget_line import Line
@@ -32,7 +32,7 @@ PARTS = (
 STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
 
 
-def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: Mapping[str, Any]) -> Complex:
+def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: Exciter) -> Complex:
     """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration (m/s^2).
 
     Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F:
@@ -41,26 +41,26 @@ def coil_force(current: Complex, acceleration: Complex, frequency: float, excite
     """
     jw = 2j * np.pi * frequency * np.arange(1, current.size + 1)
 
-    def spring(name: str, mass: str) -> Complex:
-        k, m = float(exciter[f"{name}_stiffness"]), float(exciter[mass])
-        return np.asarray(k + jw * (2 * float(exciter[f"{name}_damping_ratio"]) * math.sqrt(k * m)))
+    def spring(k: float, damping_ratio: float, m: float) -> Complex:
+        return np.asarray(k + jw * (2 * damping_ratio * math.sqrt(k * m)))
 
-    flexure = spring("flexure", "moving_mass")
-    body = exciter["body_mass"] * jw**2 + spring("isolation", "body_mass") + flexure
-    stinger = exciter["stinger_stiffness"] + jw * exciter["stinger_damping"]
-    thrust = exciter["force_constant"] * current * (1 - flexure / body)
-    carried = exciter["moving_mass"] * jw**2 + flexure - flexure**2 / body
+    flexure = spring(exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass)
+    isolation = spring(exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass)
+    body = exciter.body_mass * jw**2 + isolation + flexure
+    stinger = exciter.stinger_stiffness + jw * exciter.stinger_damping
+    thrust = exciter.force_constant * current * (1 - flexure / body)
+    carried = exciter.moving_mass * jw**2 + flexure - flexure**2 / body
     return np.asarray((thrust - carried * acceleration / jw**2) / (1 + carried / stinger))
 
 
-def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Mapping[str, Any], samples: int) -> Coil:
+def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Exciter, samples: int) -> Coil:
     """W_coil of a run from its current phasors (A) and its energies; exciter: the session's document, certified values
     and their U. samples: in the window."""
-    orders = min(current.size, int(exciter["band"] / energy.frequency))
+    orders = min(current.size, int(exciter.band / energy.frequency))
     i, A = current[:orders], energy.acceleration[:orders]
     frequency = energy.frequency
 
-    def W(known: Mapping[str, Any], scale: float = 1.0) -> float:
+    def W(known: Exciter, scale: float = 1.0) -> float:
         return _work(coil_force(scale * i, A, frequency, known), A, frequency)
 
     def slope(changed: Callable[[float], float]) -> float:
@@ -69,20 +69,26 @@ def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Ma
     per_current = slope(lambda factor: W(exciter, factor))
     # The gauge is used for one thing only: to say how much may lie above the band.
     above = abs(_work(energy.force[orders:], energy.acceleration[orders:], frequency, orders + 1))
-    constant_U, parts_U = float(exciter["force_constant_U"]), float(exciter["parts_U"])
+    constant_U, parts_U = exciter.force_constant_U, exciter.parts_U
     lines = [
         Line("current sensitivity", "1", channel.calibration_U / 2, CERTIFICATE_NU, per_current),
         Line("current gain", "1", channel.gain_tolerance / math.sqrt(3), math.inf, per_current),
         Line("force constant", "1", constant_U / 2, CERTIFICATE_NU, per_current),
         *(
             Line(name.replace("_", " "), "1", parts_U / 2, CERTIFICATE_NU,
-                 slope(lambda factor, name=name: W({**exciter, name: exciter[name] * factor})))  # type: ignore[misc]
+                 slope(lambda factor, name=name: W(_scaled(exciter, name, factor))))  # type: ignore[misc]
             for name in PARTS
         ),
         Line("above the coil's band", "J", above / math.sqrt(3), math.inf, 1.0),
     ]  # fmt: skip
-    noise = exciter["force_constant"] * channel.noise_rms * energy.level / (4 * math.pi * frequency**2)
+    noise = exciter.force_constant * channel.noise_rms * energy.level / (4 * math.pi * frequency**2)
     return Coil(W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples))
+
+
+def _scaled(exciter: Exciter, part: str, factor: float) -> Exciter:
+    """The exciter with one part of it changed."""
+    changed: dict[str, float] = {part: getattr(exciter, part) * factor}
+    return replace(exciter, **changed)
 
 
 def coil_estimates(

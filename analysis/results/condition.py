@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from analysis.results.coil_current import coil_estimates
 from analysis.results.predicted_on_record import Recorded, on_recorded
 from analysis.results.run import RunEnergy
 from analysis.session.ledger_columns import DISSIPATED, STINGER
-from analysis.session.prediction import Prediction
+from analysis.session.prediction import Predicted, Prediction, PredictionEntry, middle
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
 from analysis.signals.correction import net_of_mass
@@ -38,8 +37,8 @@ class Result:
     """A condition evaluated.
 
     W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
-    detect: J per cycle, below which W is not told from a phase error. predicted: W_T, W_f, W_c and exponent, means over
-    the runs, each at its measured acceleration (empty without a prediction). coil, coil_apart: W_coil, and W_coil -
+    detect: J per cycle, below which W is not told from a phase error. predicted: at the runs' measured
+    accelerations, nothing without a prediction. coil, coil_apart: W_coil, and W_coil -
     W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
     (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
     the model's parameters; empty where none were given. refills: the same for beds poured anew.
@@ -56,7 +55,7 @@ class Result:
     difference: Estimate | None
     chain: Estimate | None
     detect: float
-    predicted: Mapping[str, float | None]
+    predicted: Predicted
     coil: Estimate | None = None
     coil_apart: Estimate | None = None
     recorded: Recorded | None = None
@@ -85,7 +84,7 @@ class Result:
 
 
 def evaluate(
-    setting: Setting, runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None, channels: Mapping[str, ChannelFacts]
+    setting: Setting, runs: Sequence[RunEnergy], entry: PredictionEntry | None, channels: Mapping[str, ChannelFacts]
 ) -> Result:
     """Evaluate a condition from its runs (one at least) and its entry of the prediction document (None for none)."""
     force, acceleration = channels["force"], channels["acceleration"]
@@ -93,7 +92,7 @@ def evaluate(
     W = math.fsum(run.energy.W for run in runs) / n
     reactive = math.fsum(run.energy.reactive for run in runs) / n
     predicted, totals, own = _predicted(runs, entry)
-    W_T, exponent = predicted.get("W_T"), predicted.get("exponent")
+    W_T, exponent = predicted.W_T, predicted.exponent
     # A condition measured once has no scatter: the instruments' noise stands in for it.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
     noise_line = (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
@@ -110,7 +109,7 @@ def evaluate(
         ),
         *resolution_lines(W, reactive),
     )
-    refills = tuple((entry or {}).get("refills") or ())
+    refills = entry.refills if entry is not None else ()
     factor = stretch(refills, n)
     scatter = scatter_line([run.energy.W for run in runs], factor) or noise_line
     lines = (*scatter, *certified, *own, *refills_line(refills, W_T or 0.0))
@@ -135,30 +134,37 @@ def evaluate(
         coil_apart=by_coil[1],
         recorded=on_recorded(runs, W, (*scatter, *certified), exponent, refills),
         pairs=pairs,
-        model=tuple((entry or {}).get("model") or ()),
+        model=entry.model if entry is not None else (),
         refills=refills,
-        beyond=entry is not None and not predicted,
+        beyond=entry is not None and W_T is None,
     )
 
 
 def _predicted(
-    runs: Sequence[RunEnergy], entry: Mapping[str, Any] | None
-) -> tuple[dict[str, float | None], list[float], tuple[Line, ...]]:
+    runs: Sequence[RunEnergy], entry: PredictionEntry | None
+) -> tuple[Predicted, list[float], tuple[Line, ...]]:
     """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the lines of
     the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
     if entry is None:
-        return {}, [], ()
+        return Predicted(), [], ()
     prediction = Prediction.of(entry)
     levels = [run.energy.level for run in runs]
     if not all(prediction.total.reaches(a) for a in levels):
-        return {}, [], ()
-    curves = {"W_T": prediction.total, "W_f": prediction.friction, "W_c": prediction.collision}
-    values: dict[str, float | None] = {
-        name: math.fsum(curve(a) for a in levels) / len(levels) for name, curve in curves.items()
-    }
-    values["exponent"] = prediction.total.exponent(math.fsum(levels) / len(levels))
-    own = prediction_lines(prediction, values["W_T"] or 0.0)
-    return {**values, **prediction.extra}, [prediction.total(a) for a in levels], own
+        return Predicted(), [], ()
+    n, a = len(levels), entry.acceleration
+    totals = [prediction.total(level) for level in levels]
+    W_T = math.fsum(totals) / n
+    found = Predicted(
+        W_T=W_T,
+        W_f=math.fsum(prediction.friction(level) for level in levels) / n,
+        W_c=math.fsum(prediction.collision(level) for level in levels) / n,
+        exponent=prediction.total.exponent(math.fsum(levels) / n),
+        W_T_paper=middle(entry.W_T_paper, a),
+        bound=middle(entry.bound, a),
+        period=middle(entry.period, a),
+        periodic_share=middle(entry.periodic_share, a),
+    )
+    return found, totals, prediction_lines(prediction, W_T)
 
 
 def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:

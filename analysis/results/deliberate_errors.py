@@ -13,7 +13,6 @@ R = (pi/w^2) M_eff a^2 is what a phase error of 1 rad adds to W; eta = W/R the l
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +21,11 @@ from analysis.energy.energies import Energy
 from analysis.results.condition import Result
 from analysis.session.ledger_columns import DISSIPATED
 from analysis.session.record import ChannelFacts
+from analysis.session.setting import DeliberateMistake
 from analysis.signals.correction import pole_phase
 from analysis.signals.integration import integral
 
-__all__ = ["deliberate", "misread"]
+__all__ = ["MistakeReport", "MistakeRow", "deliberate", "misread"]
 
 Array = NDArray[np.float64]
 
@@ -87,16 +87,43 @@ WORDS: Mapping[str, Words] = {
 }  # fmt: skip
 
 
-def misread(energy: Energy, mistake: Mapping[str, Any], force: Array, acceleration: Array) -> Energy:
+@dataclass(frozen=True, slots=True)
+class MistakeRow:
+    """How wrong a condition came out. W_exp, W_true (the ledger's, over the same cycles; the bed's alone where friction
+    was taken for damping): J per cycle; error = W_exp/W_true - 1; predicted by the rule, from W_true, the apparent mass
+    and the level; ratio of both. None where the record holds no truth or nothing was dissipated."""
+
+    id: str
+    W_exp: float
+    W_true: float | None
+    eta: float | None
+    error: float | None
+    predicted: float | None
+    ratio: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class MistakeReport:
+    """The report's `mistake`: what was done wrong on purpose, and how wrong it made each condition."""
+
+    kind: str
+    parameter: float
+    what: str
+    rule: str
+    notice: str
+    conditions: tuple[MistakeRow, ...]
+
+
+def misread(energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array) -> Energy:
     """A window's energies with W read wrongly where the mistake lies in the reading; unchanged otherwise.
 
     force (N), acceleration (m/s^2): the window's samples as recorded, a whole number to each of `energy.cycles` cycles.
     """
     points = force.size // energy.cycles
     step = 1 / (energy.frequency * points)
-    if mistake["kind"] == "cycles":
-        return replace(energy, W=_broken_cycles(force, acceleration, step, points, float(mistake["value"])))
-    if mistake["kind"] == "offset":
+    if mistake.kind == "cycles":
+        return replace(energy, W=_broken_cycles(force, acceleration, step, points, float(mistake.value)))
+    if mistake.kind == "offset":
         velocity = (np.cumsum(acceleration) - 0.5 * acceleration) * step
         return replace(energy, W=float(np.einsum("i,i->", force, velocity)) * step / energy.cycles)
     return energy
@@ -110,41 +137,31 @@ def _broken_cycles(force: Array, acceleration: Array, step: float, points: int, 
     return float(power[: last + 1].sum() - 0.5 * (power[0] + power[last])) * step / cycles
 
 
-def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> dict[str, Any] | None:
-    """The report's `mistake`: what was done wrong and how wrong it made each condition; None where nothing was.
-
-    W_exp, W_true (the ledger's, over the same cycles; the bed's alone where friction was taken for damping): J per
-    cycle; error = W_exp/W_true - 1; predicted by the rule, from W_true, the apparent mass and the level; ratio of both.
-    Null where the record holds no truth or nothing was dissipated.
-    """
-    mistakes = [result.setting.mistake for result in results if result.setting.mistake is not None]
-    if not mistakes:
+def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> MistakeReport | None:
+    """What was done wrong in a session on purpose; None where nothing was."""
+    made = [(result, result.setting.mistake) for result in results if result.setting.mistake is not None]
+    if not made:
         return None
-    kind, value = str(mistakes[0]["kind"]), float(mistakes[0]["value"])
+    kind, value = made[0][1].kind, float(made[0][1].value)
     words = WORDS[kind]
-    return {
-        "kind": kind,
-        "parameter": value,
-        "what": words.what.format(value=value, percent=100 * value, plural="s" * (value > 1)),
-        "rule": words.rule,
-        "notice": words.notice,
-        "conditions": [
-            _row(result, result.setting.mistake, channels) for result in results if result.setting.mistake is not None
-        ],
-    }
+    return MistakeReport(
+        kind=kind,
+        parameter=value,
+        what=words.what.format(value=value, percent=100 * value, plural="s" * (value > 1)),
+        rule=words.rule,
+        notice=words.notice,
+        conditions=tuple(_row(result, mistake, channels) for result, mistake in made),
+    )
 
 
-def _row(result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts]) -> dict[str, Any]:
-    found = result.W_exp.value
-    row = dict.fromkeys(("W_true", "eta", "error", "predicted", "ratio")) | {"id": result.setting.id, "W_exp": found}
-    true = _true(result, str(mistake["kind"]))
-    if true is not None:
-        row["W_true"] = true
-    if true is not None and true > NOTHING * abs(result.mean("reactive")):
-        eta = true / result.mean("reactive")
-        error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
-        row |= {"eta": eta, "error": error, "predicted": predicted, "ratio": error / predicted if predicted else None}
-    return {name: row[name] for name in ("id", "W_exp", "W_true", "eta", "error", "predicted", "ratio")}
+def _row(result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]) -> MistakeRow:
+    found, name = result.W_exp.value, result.setting.id
+    true = _true(result, mistake.kind)
+    if true is None or not true > NOTHING * abs(result.mean("reactive")):
+        return MistakeRow(name, found, true, None, None, None, None)
+    eta = true / result.mean("reactive")
+    error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
+    return MistakeRow(name, found, true, eta, error, predicted, error / predicted if predicted else None)
 
 
 def _true(result: Result, kind: str) -> float | None:
@@ -157,12 +174,12 @@ def _true(result: Result, kind: str) -> float | None:
 
 
 def _predicted(
-    result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts], true: float, eta: float
+    result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts], true: float, eta: float
 ) -> float:
     """Relative error of W by the mistake's rule."""
-    setting, value, level = result.setting, float(mistake["value"]), result.mean("level")
+    setting, value, level = result.setting, float(mistake.value), result.mean("level")
     omega = 2 * math.pi * setting.frequency
-    match mistake["kind"]:
+    match mistake.kind:
         case "cycles":
             turn = 2 * math.pi * value
             return math.sin(2 * turn) / (2 * turn) - math.sin(turn) ** 2 / (turn * eta)
@@ -172,23 +189,23 @@ def _predicted(
             return 2 * value / eta
         case "friction":
             moved = setting.box_mass + setting.gauge_mass + setting.bed_mass
-            return 4 * value * moved * float(mistake["gravity"]) * level / omega**2 / true
+            return 4 * value * moved * (mistake.gravity or 0.0) * level / omega**2 / true
         case "corners":
             taken = sum((corner / setting.frequency) ** 2 for corner in _corners(mistake)) / 2
             return _lead("corners", result, mistake, channels) / eta - taken
         case kind:
-            return _lead(str(kind), result, mistake, channels) / eta
+            return _lead(kind, result, mistake, channels) / eta
 
 
-def _corners(mistake: Mapping[str, Any]) -> tuple[float, float]:
+def _corners(mistake: DeliberateMistake) -> tuple[float, float]:
     """Corners of the force's and the acceleration's AC coupling, Hz."""
-    corner = float(mistake["corner"])
-    return corner, corner * (1 + float(mistake["value"]))
+    corner = mistake.corner or 0.0
+    return corner, corner * (1 + float(mistake.value))
 
 
-def _lead(kind: str, result: Result, mistake: Mapping[str, Any], channels: Mapping[str, ChannelFacts]) -> float:
+def _lead(kind: str, result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]) -> float:
     """Phase by which the mistake lets the acceleration lead, rad; the mean over the record where it slides."""
-    setting, value = result.setting, float(mistake["value"])
+    setting, value = result.setting, float(mistake.value)
     omega = 2 * math.pi * setting.frequency
     if kind == "pole":
         certified = channels["acceleration"].time_constant
@@ -197,5 +214,5 @@ def _lead(kind: str, result: Result, mistake: Mapping[str, Any], channels: Mappi
         force, acceleration = _corners(mistake)
         return math.atan(acceleration / setting.frequency) - math.atan(force / setting.frequency)
     if kind == "skew":
-        return -omega * float(mistake["delay"])
+        return -omega * (mistake.delay or 0.0)
     return -omega * 1e-6 * value * (setting.settle_cycles + setting.record_cycles / 2) / setting.frequency

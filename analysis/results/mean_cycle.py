@@ -2,51 +2,75 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.results.condition import Result
+from daq.documents.classes import LEFT_OUT, AtLeast
+from daq.documents.shapes import Number
 
-__all__ = ["HARMONICS", "waveforms"]
+__all__ = ["HARMONICS", "RunCycles", "Waveforms", "waveforms"]
 
 HARMONICS = 100  # of a cycle that are kept; enough for the steps of impacts at the size of a page
 DIGITS = 7
 MOST = 1000  # values of W that a run has in the report
 
 
-def waveforms(results: Sequence[Result]) -> dict[str, Any] | None:
-    """The condition with the largest energy; None without any.
+@dataclass(frozen=True, slots=True)
+class RunCycles:
+    """W of each cycle of a run, J."""
 
-    Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of its first run's mean cycle, and W of
-    each cycle (J) of all its runs; of long ones means over `cycles_each` cycles, the last of what is left.
-    """
+    run: str
+    W_cycles: Annotated[tuple[float, ...], AtLeast(1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Waveforms:
+    """Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of a condition's first run's mean
+    cycle, and W of each cycle of all its runs; of long ones means over `cycles_each` cycles, the last of what is
+    left."""
+
+    condition: str
+    run: str
+    frequency: float
+    force: tuple[tuple[float, float], ...]
+    acceleration: tuple[tuple[float, float], ...]
+    thd_force: float | None
+    thd_acceleration: float | None
+    runs: tuple[RunCycles, ...]
+    cycles_each: Annotated[int, Number(1, whole=True), LEFT_OUT] = 1
+
+
+def waveforms(results: Sequence[Result]) -> Waveforms | None:
+    """The condition with the largest energy; None without any."""
     if not results:
         return None
     top = max(results, key=lambda result: result.W_exp.value)
     first = top.runs[0]
     each = math.ceil(max(run.energy.W_cycles.size for run in top.runs) / MOST)
-    return {
-        "condition": top.setting.id,
-        "run": first.run,
-        "frequency": first.energy.frequency,
-        "force": _pairs(first.energy.force[:HARMONICS]),
-        "acceleration": _pairs(first.energy.acceleration[:HARMONICS]),
-        "thd_force": first.energy.thd_force,
-        "thd_acceleration": first.energy.thd_acceleration,
-        "runs": [{"run": run.run, "W_cycles": _means(run.energy.W_cycles, each)} for run in top.runs],
-        **({"cycles_each": each} if each > 1 else {}),
-    }
+    return Waveforms(
+        condition=top.setting.id,
+        run=first.run,
+        frequency=first.energy.frequency,
+        force=_pairs(first.energy.force[:HARMONICS]),
+        acceleration=_pairs(first.energy.acceleration[:HARMONICS]),
+        thd_force=first.energy.thd_force,
+        thd_acceleration=first.energy.thd_acceleration,
+        runs=tuple(RunCycles(run.run, _means(run.energy.W_cycles, each)) for run in top.runs),
+        cycles_each=max(each, 1),
+    )
 
 
-def _means(W: NDArray[np.float64], each: int) -> list[float]:
+def _means(W: NDArray[np.float64], each: int) -> tuple[float, ...]:
     starts = np.arange(0, W.size, each)
-    return [_short(mean) for mean in (np.add.reduceat(W, starts) / np.diff(starts, append=W.size)).tolist()]
+    return tuple(_short(mean) for mean in (np.add.reduceat(W, starts) / np.diff(starts, append=W.size)).tolist())
 
 
-def _pairs(phasors: NDArray[np.complex128]) -> list[list[float]]:
-    return [[_short(value.real), _short(value.imag)] for value in phasors.tolist()]
+def _pairs(phasors: NDArray[np.complex128]) -> tuple[tuple[float, float], ...]:
+    return tuple((_short(value.real), _short(value.imag)) for value in phasors.tolist())
 
 
 def _short(value: float) -> float:

@@ -1,74 +1,49 @@
 """What the analysis asks of the documents in a session, and the check: anybody may have written them."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from analysis.session.record import AnalysisError
+from analysis.session.exciter import Exciter, TrueClock, TrueInstruments
+from analysis.session.fidelity import Fidelity
+from analysis.session.prediction import PREDICTION
+from analysis.session.protocol import ExpectedClaim, SessionProtocol, SessionRig
+from analysis.session.record import AnalysisError, Truth
 from analysis.session.setting import CONDITION
-from daq.documents.shapes import Each, Either, Keys, List, Number, Shape, Text, YesNo, deviations
+from daq.documents.classes import built, shape_of
+from daq.documents.shapes import Keys, List, Shape, deviations
 
 if TYPE_CHECKING:
     from daq.session.record import Record
 
-__all__ = ["DOCUMENTS", "TRUTHS", "checked", "deviations_of", "session_document_deviations", "truth_checked"]
+__all__ = [
+    "DOCUMENTS",
+    "TRUTHS",
+    "checked",
+    "deviations_of",
+    "document_as",
+    "session_document_deviations",
+    "truth_as",
+]
 
-ENERGIES = List(Number(), least=1)
-WORDS = List(Text())
-EXTRA = ("W_T_paper", "bound", "period", "periodic_share")
-PREDICTION = Keys({
-    "conditions": Each(Keys(
-        {"acceleration": List(Number(0.0, above=True), least=1), "W_T": ENERGIES},
-        {"W_f": ENERGIES, "W_c": ENERGIES, "model": List(Number(0.0, 1e6)), "refills": List(Number(0.0, 1e6)),
-         **dict.fromkeys(("u_rel", "u_levels", "u_settling"), Number(0.0, 1e3, null=True)),
-         **{name: Either(Number(null=True), List(Number())) for name in EXTRA}},
-        as_long=("acceleration", "W_T", "W_f", "W_c"),
-    )),
-})  # fmt: skip
-KINDS = ("optimum", "order", "rise", "fall", "nonlinear", "nearly_zero", "offset_within")
+T = TypeVar("T")
+
 LIMITS = {"nonlinear": 1, "nearly_zero": 1, "offset_within": 2}
 VALUES = {"nearly_zero": 2, "rise": 2, "fall": 2}
-LEVEL = Keys({"value": Text(), "conditions": WORDS})
-EXPECT = List(Keys({
-    "claim": Text(), "kind": Text(KINDS), "about": Text(), "over": Text(), "values": WORDS, "limits": List(Number()),
-    "imposed": Text(), "cases": List(Keys({"at": Each(Text()), "levels": List(LEVEL)})),
-}))  # fmt: skip
-VALUE = Keys({"path": Text()}, {name: Text(null=True) for name in ("unit", "status", "source")})
-THING, SHARE = Number(1e-9, 1e12), Number(0.0, 1e9)
-INSTRUMENT = Keys(
-    {"sensitivity": THING, "time_constant": Number(0.0, above=True, null=True), "gain": THING},
-    {"corner": Number(0.0, null=True), "skew": Number(-1.0, 1.0)},
-)
-
-SOME = Number(null=True)
-COUNTS = Keys(dict.fromkeys(("auto", "written", "resolved"), SOME), {"planning": SOME})
-_CHOICE: dict[str, Shape] = {"id": Text(), "met": YesNo(), "why": Text(null=True), "skipped": List(Text())}
-_CHOICE |= dict.fromkeys(("rows", "settle", "record", "error", "error_rows", "error_window", "error_noise"), SOME)
-_CHOICE |= dict.fromkeys(("written", "resolved"), List(SOME, least=3, most=3))
-FIDELITY = Keys({
-    "tolerance": Number(1e-9, 1e9), "rows_share": Number(), "cycles": COUNTS, "row_cycles": COUNTS,
-    "not_met": List(Text()), "conditions": List(Keys(_CHOICE)),
-})  # fmt: skip
-EXCITER = Keys(
-    dict.fromkeys(("force_constant", "band", "moving_mass", "body_mass"), THING)
-    | dict.fromkeys(("flexure_stiffness", "isolation_stiffness", "stinger_stiffness"), THING)
-    | dict.fromkeys(("flexure_damping_ratio", "isolation_damping_ratio", "stinger_damping"), SHARE)
-    | dict.fromkeys(("force_constant_U", "parts_U"), SHARE)
-)
 
 DOCUMENTS: Mapping[str, Shape] = {
     "conditions": List(CONDITION),
     "prediction": PREDICTION,
-    "protocol": Keys({}, {"name": Text(), "question": Text(), "expect": EXPECT}),
-    "rig": Keys({}, {"name": Text(), "values": List(VALUE)}),
-    "exciter": EXCITER,
-    "fidelity": FIDELITY,
+    "protocol": shape_of(SessionProtocol),
+    "rig": shape_of(SessionRig),
+    "exciter": shape_of(Exciter),
+    "fidelity": shape_of(Fidelity),
     "provenance": Keys({}),
 }
 """The session's documents by name (docs/session-format.md). Others are free, and so are further keys in these."""
 
 TRUTHS: Mapping[str, Shape] = {
-    "instruments": Keys({"force": INSTRUMENT, "acceleration": INSTRUMENT}),
-    "clock": Keys({"error": Number(-0.5, 0.5)}),
+    "instruments": shape_of(TrueInstruments),
+    "clock": shape_of(TrueClock),
 }
 """The documents of `session/truth`."""
 
@@ -80,7 +55,7 @@ def deviations_of(name: str, value: Any) -> Iterator[str]:
     sentences = list(deviations(value, DOCUMENTS[name], name))
     yield from sentences
     if name == "protocol" and not sentences:
-        yield from _claims(value.get("expect", []))
+        yield from _claims(built(SessionProtocol, value).expect)
 
 
 def checked(name: str, value: Any) -> Any:
@@ -90,11 +65,17 @@ def checked(name: str, value: Any) -> Any:
     return value
 
 
-def truth_checked(name: str, value: Any) -> Any:
-    """A document of the truth as it is; AnalysisError as for `checked`."""
+def document_as(cls: type[T], name: str, value: Any) -> T | None:
+    """A document of the session as a value of its class; None where there is none. AnalysisError as for `checked`."""
+    return None if checked(name, value) is None else built(cls, value)
+
+
+def truth_as(cls: type[T], name: str, truth: Truth) -> T | None:
+    """The same of a document of the truth."""
+    value = truth.document(name)
     for sentence in deviations(value, TRUTHS[name], f"truth/{name}") if value is not None else ():
         raise AnalysisError(f"the session's document {sentence}")
-    return value
+    return None if value is None else built(cls, value)
 
 
 def session_document_deviations(record: "Record") -> Iterator[str]:
@@ -116,11 +97,11 @@ def _readable(document: Callable[[str], Any], name: str) -> Any:
         return None
 
 
-def _claims(claims: list[dict[str, Any]]) -> Iterator[str]:
+def _claims(claims: Sequence[ExpectedClaim]) -> Iterator[str]:
     """Each kind of claim has so many limits and names at least so many values."""
     for position, claim in enumerate(claims):
-        kind, place = claim["kind"], f"protocol.expect[{position}]"
-        if len(claim["limits"]) != LIMITS.get(kind, len(claim["limits"])):
-            yield f"{place}.limits has {len(claim['limits'])} numbers, expected {LIMITS[kind]}"
-        if len(claim["values"]) < VALUES.get(kind, 0):
-            yield f"{place}.values has {len(claim['values'])} values, expected {VALUES[kind]}"
+        kind, place = claim.kind, f"protocol.expect[{position}]"
+        if len(claim.limits) != LIMITS.get(kind, len(claim.limits)):
+            yield f"{place}.limits has {len(claim.limits)} numbers, expected {LIMITS[kind]}"
+        if len(claim.values) < VALUES.get(kind, 0):
+            yield f"{place}.values has {len(claim.values)} values, expected {VALUES[kind]}"

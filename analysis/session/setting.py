@@ -1,36 +1,54 @@
 """A condition as a session's document states it, checked."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated, Any
 
 from analysis.session.record import AnalysisError
-from daq.documents.shapes import Choice, Either, Keys, List, Null, Number, Text, YesNo, deviations
+from daq.documents.classes import LEFT_OUT, built, shape_of
+from daq.documents.shapes import Choice, Keys, Number, Text, deviations
 
 LOOP_BACK = "loop_back"  # a bed that is none: one voltage at both inputs
 
-SIZE, MASS = Number(0.0, 1e9, null=True), Number(0.0, 1e9)
+SIZE, MASS = Number(0.0, 1e9), Number(0.0, 1e9)
 ONE = Number(1e-9, 1e9)
+Size = Annotated[float | None, SIZE]
+Mass = Annotated[float, MASS]
+One = Annotated[float, ONE]
+Unset = Annotated[float | None, Number(), LEFT_OUT]
 MISTAKES = {
     "pole": {"value": ONE}, "corners": {"corner": ONE}, "cycles": {"value": ONE}, "skew": {"delay": Number(-1e3, 1e3)},
     "clock": {}, "coil": {}, "offset": {}, "friction": {"gravity": MASS},
 }  # fmt: skip
 MISTAKE = Choice("kind", {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in MISTAKES.items()})
-CONDITION = Keys(
-    {
-        "id": Text(), "material": Text(), "density": SIZE, "diameter": SIZE, "fill": SIZE, "bed": Text(),
-        "drive": Text(), "bed_mass": MASS, "carried": YesNo(), "frequency": ONE, "acceleration_set": MASS,
-        "settle_cycles": MASS, "record_cycles": Number(1, 1e9, whole=True), "box_mass": MASS, "gauge_mass": MASS,
-        "moving_mass": MASS,
-    },
-    {
-        "dashpot_c": SIZE, "sweep_to": Either(Null(), ONE), "mistake": Either(Null(), MISTAKE), "losses": List(Text()),
-        "support": Text(), "gauge": Either(Null(), Text()), "accelerometer": Either(Null(), Text()),
-        "gas": Keys({"on": YesNo(), "share_of_weight": MASS}, null=True),
-        "over_first_principles": Keys({"noise": Number(0.0), "air": Number(0.0)}),
-    },
-)  # fmt: skip
-"""A condition in the session (SI): what `Setting` takes, and what the table of causes asks for."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeliberateMistake:
+    """What is deliberately done wrong (analysis.results.deliberate_errors): its kind, how much of it, and what else
+    that kind states: corner (Hz), delay (s), gravity (m/s^2)."""
+
+    kind: str
+    value: float
+    corner: Unset = None
+    delay: Unset = None
+    gravity: Unset = None
+
+
+@dataclass(frozen=True, slots=True)
+class GasDrag:
+    """Whether drag of the gas between the grains is switched on, and its largest value over the bed's weight."""
+
+    on: bool
+    share_of_weight: Mass
+
+
+@dataclass(frozen=True, slots=True)
+class FirstPrinciples:
+    """Coefficients of the losses `noise` and `air` over what sound and drag of the box make them."""
+
+    noise: Annotated[float, Number(0.0)]
+    air: Annotated[float, Number(0.0)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,48 +57,46 @@ class Setting:
 
     carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for other beds; mistake:
     what is deliberately done wrong (analysis.results.deliberate_errors); sweep_to: Hz, of a record that sweeps there
-    from `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where nobody says.
+    from `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where nobody says;
+    losses, support: of the stand, "" where nobody says; varied: what else the protocol varied, in words by name.
     """
 
     id: str
     material: str
-    density: float | None
-    diameter: float | None
-    fill: float | None
+    density: Size
+    diameter: Size
+    fill: Size
     bed: str
     drive: str
-    bed_mass: float
+    bed_mass: Mass
     carried: bool
-    frequency: float
-    acceleration_set: float
-    settle_cycles: float
-    record_cycles: float
-    box_mass: float
-    gauge_mass: float
-    moving_mass: float
-    dashpot_c: float | None = None
-    mistake: Mapping[str, Any] | None = None
-    sweep_to: float | None = None
-    gauge: str | None = None
-    accelerometer: str | None = None
+    frequency: One
+    acceleration_set: Mass
+    settle_cycles: Mass
+    record_cycles: Annotated[float, Number(1, 1e9, whole=True)]
+    box_mass: Mass
+    gauge_mass: Mass
+    moving_mass: Mass
+    dashpot_c: Size = None
+    mistake: Annotated[DeliberateMistake | None, MISTAKE] = None
+    sweep_to: Annotated[float | None, ONE] = None
+    gauge: Annotated[str | None, Text()] = None
+    accelerometer: Annotated[str | None, Text()] = None
+    losses: tuple[str, ...] = ()
+    support: str = ""
+    gas: GasDrag | None = None
+    over_first_principles: Annotated[FirstPrinciples | None, LEFT_OUT] = None
+    varied: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
         """The setting in a session's condition. AnalysisError naming the first key that is missing or wrong."""
-        known = {
-            "dashpot_c": None,
-            "mistake": None,
-            "sweep_to": None,
-            "gauge": None,
-            "accelerometer": None,
-            **condition,
-        }
-        for name in cls.__slots__:
-            if name not in known:
+        for name in CONDITION.required:
+            if name not in condition:
                 raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")
-        for sentence in deviations(dict(known), CONDITION, f"condition {known['id']}"):
+        for sentence in deviations(dict(condition), CONDITION, f"condition {condition['id']}"):
             raise AnalysisError(sentence)
-        return cls(**{name: known[name] for name in cls.__slots__})
+        return built(cls, condition)
 
     @property
     def places(self) -> tuple[str | None, str | None]:
@@ -101,3 +117,7 @@ class Setting:
     def is_bonded(self) -> bool:
         """Grains are in the box and cannot slide: bonded to it, or packed too full to flow."""
         return not self.is_empty and (self.bed == "locked" or self.carried)
+
+
+CONDITION = shape_of(Setting)
+"""A condition in the session (SI)."""

@@ -4,14 +4,16 @@ a factor on W.
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from analysis.comparison.offset_terms import Actual
+from analysis.session.exciter import TrueInstruments, TrueState
 from analysis.session.prediction import Curve
 from analysis.uncertainty.budget import angle_uncertainty
+from daq.chain.channel import ChannelState
 from daq.chain.frontend import FILTER_DELAY
 from rig.campaign.campaign import Campaign
 from rig.campaign.one_run.prescribed_run import stand_of
@@ -68,6 +70,10 @@ def calibrated(
     )
 
 
+def _true_state(state: ChannelState) -> TrueState:
+    return TrueState(state.sensitivity, state.time_constant, state.gain, state.corner, state.skew)
+
+
 def _check_nulls(campaign: Campaign) -> None:
     """Reject instruments with which a locked bed would not look like mass: their energies contain a
     phase error.
@@ -77,7 +83,8 @@ def _check_nulls(campaign: Campaign) -> None:
     """
     tools, rate = campaign.instruments, campaign.lengths[campaign.conditions[0].id].rate
     info = {channel.name: channel for channel in tools.table(rate, FILTER_DELAY)}
-    actual = Actual({c.name: asdict(state) for c, state in zip(tools.channels, tools.states, strict=True)}, 0.0)
+    states = {channel.name: _true_state(state) for channel, state in zip(tools.channels, tools.states, strict=True)}
+    actual = Actual(TrueInstruments(states["force"], states["acceleration"]), 0.0)
     for frequency in sorted({condition.drive.frequency for condition in campaign.conditions}):
         omega = 2.0 * np.pi * frequency
         force, acceleration = (actual.response(info[name], omega) for name in ("force", "acceleration"))

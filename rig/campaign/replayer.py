@@ -4,11 +4,10 @@ report.
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from analysis import RunEnergy, read_session, write_report
+from analysis import Report, RunEnergy, read_session, write_report
 from daq.chain.block import Block
 from daq.chain.clock import Pacer
 from daq.chain.replay import Replayed
@@ -33,7 +32,7 @@ def replay(
     progress: Watch = lambda _: None,
     patience: float | None = None,
     live: Callable[[LiveUpdate], None] | None = None,
-) -> dict[str, Any]:
+) -> Report:
     """Feed a session's blocks through recorder and analysis; returns the report.
 
     out : folder for a second session and its report: the same codes and the same report, byte for

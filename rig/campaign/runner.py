@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice, zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from daq.whole_files import mark_unfinished
 from rig.campaign.campaign import Campaign
@@ -29,6 +29,7 @@ from rig.protocol.schedule import Run
 from rig.protocol.spec import Condition, Protocol
 
 if TYPE_CHECKING:
+    from analysis.results.report import Report
     from rig.campaign.one_run.live import LiveUpdate
 
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
@@ -71,7 +72,7 @@ def run(
     progress: Watch = lambda _: None,
     live: "Callable[[LiveUpdate], None] | None" = None,
     executor: Executor | None = None,
-) -> dict[str, Any]:
+) -> "Report":
     """Run a campaign, or a protocol with its own rig, into `out`/session.h5 and write its report
     there; returns the report.
 

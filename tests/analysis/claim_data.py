@@ -5,9 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from analysis.comparison.claims import judge
+from analysis.session.prediction import Predicted
+from analysis.session.protocol import ExpectedClaim
 from analysis.uncertainty.budget import combine, scatter_line
 from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate
+from daq.documents.classes import built
 
 
 def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
@@ -28,7 +32,7 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
         pairs=() if W_T is None else tuple((w, W_T) for w in W),
         detect=1e-6,
         refills=tuple(refills),
-        predicted={},
+        predicted=Predicted(),
     )
 
 
@@ -45,3 +49,8 @@ def entry(kind, values=(), limits=(), cases=1, **more):
         "claim": "it is so", "kind": kind, "about": "scene.grains.fill", "over": "", "values": list(values),
         "limits": list(limits), "imposed": more.get("imposed", ""), "cases": places,
     }  # fmt: skip
+
+
+def judged(entries, results):
+    """The claims of a session's document, judged."""
+    return judge([built(ExpectedClaim, each) for each in entries], results)

@@ -1,14 +1,12 @@
 """A report with every part of the page, made without the stand."""
 
-from typing import Any
-
 import numpy as np
 from analytic_record import NOMINAL, Bench, condition, dashpot_energy, prediction_for, session
 
-from analysis import read_session
+from analysis import Report, read_session
 
 
-def demo_report() -> dict[str, Any]:
+def demo_report() -> Report:
     """Sixteen conditions, four repeats each, a null, text that is not safe as it is."""
     table = [
         condition(

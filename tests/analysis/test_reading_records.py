@@ -80,23 +80,23 @@ def test_report_of_a_file(session):
     with open_session(path) as record:
         report = read_session(record)
         assert read_session(record, early) == report
-    assert report["protocol"] == "demo"
-    assert [entry["flag"] for entry in report["flags"]] == ["over_stroke"]
-    row = report["conditions"][0]
-    assert abs(row["offset"]) < 1e-5
-    assert abs(row["E_n_chain"]) < 1e-3
-    assert row["U_W_exp"] / row["W_exp"] > NOMINAL["force"].calibration_U / 2
-    assert report["verdict"] == "passes"
+    assert report.protocol == "demo"
+    assert [entry.flag for entry in report.flags] == ["over_stroke"]
+    row = report.conditions[0]
+    assert abs(row.offset) < 1e-5
+    assert abs(row.E_n_chain) < 1e-3
+    assert row.U_W_exp / row.W_exp > NOMINAL["force"].calibration_U / 2
+    assert report.verdict == "passes"
 
 
 def test_a_file_without_truth_gives_the_same_measurement(session):
     path, _ = session
     with open_session(path) as record:
-        full = read_session(record)["conditions"][0]
+        full = read_session(record).document()["conditions"][0]
     with h5py.File(path, "r+", libver=("v110", "v110")) as file:
         del file["session/truth"]
         for run in ("run_0001", "run_0002"):
             del file[run]["truth"]
     with open_session(path) as record:
-        bare = read_session(record)["conditions"][0]
+        bare = read_session(record).document()["conditions"][0]
     assert {name for name in full if full[name] != bare[name]} == {"E_n_chain", "dKE_bed"}

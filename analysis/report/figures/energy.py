@@ -1,15 +1,15 @@
 """Figures of the energy per cycle against what was varied."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from dataclasses import replace
 
 from analysis.report.figures.axes import BLUE, GREY, MARKERS, ORANGE, SERIES, Panel, Scale, legend, linear, logarithmic
 from analysis.report.figures.drawing import Drawing, Plot, thinned
+from analysis.results.condition_row import ConditionRow
+from analysis.results.report import Report
 from analysis.text import counted
 
 __all__ = ["AXES", "energy_plots", "swept"]
-
-Row = dict[str, Any]
 
 AXES: dict[str, tuple[str, float]] = {
     "fill": ("fill, %", 100.0),
@@ -30,15 +30,15 @@ MARKS = [
 ]  # fmt: skip
 
 
-def energy_plots(report: Row) -> tuple[Plot, ...]:
+def energy_plots(report: Report) -> tuple[Plot, ...]:
     """W against a for each fill, size, density or frequency, linear and logarithmic; W against what else was varied."""
-    rows = _snapped(report["conditions"])
+    rows = _snapped(report.conditions)
     if not rows:
         return ()
     if len(rows) == 1:
         return (_single(rows[0]),)
     found = []
-    if len({row["acceleration_set"] for row in rows}) > 1:
+    if len({row.acceleration_set for row in rows}) > 1:
         found += [_against_acceleration(rows, False), _against_acceleration(rows, True)]
     if swept(rows) != "acceleration_set":
         found.append(_against(rows, swept(rows)))
@@ -47,48 +47,53 @@ def energy_plots(report: Row) -> tuple[Plot, ...]:
     return tuple(found)
 
 
-def _snapped(rows: Sequence[Row]) -> list[Row]:
+def _snapped(rows: Sequence[ConditionRow]) -> list[ConditionRow]:
     """The conditions with settings that agree within SAME made equal: a frequency or level that was found in a record
     is never twice the same."""
-    found = [dict(row) for row in rows]
+    changed: list[dict[str, float]] = [{} for _ in rows]
     for name in AXES:
+        known = [(value, place) for place, value in enumerate(getattr(row, name) for row in rows) if value is not None]
         last: float | None = None
-        for row in sorted((row for row in found if row[name] is not None), key=lambda row: float(row[name])):
-            if last is not None and row[name] <= last * (1 + SAME):
-                row[name] = last
-            last = row[name]
-    return found
+        for value, place in sorted(known):
+            if last is not None and value <= last * (1 + SAME) and value != last:
+                changed[place][name] = last
+            else:
+                last = value
+    return [replace(row, **new) if new else row for row, new in zip(rows, changed, strict=True)]  # type: ignore[arg-type]
 
 
-def swept(rows: Sequence[Row]) -> str:
+def swept(rows: Sequence[ConditionRow]) -> str:
     """The quantity that the conditions vary: fill, density, diameter or frequency, else the acceleration."""
-    known = (name for name in AXES if all(row[name] is not None for row in rows))
-    varied = (name for name in known if len({row[name] for row in rows}) > 1)
+    known = (name for name in AXES if all(getattr(row, name) is not None for row in rows))
+    varied = (name for name in known if len({getattr(row, name) for row in rows}) > 1)
     return next(varied, "acceleration_set")
 
 
-def series(rows: Sequence[Row], x: str) -> dict[str, list[Row]]:
+def series(rows: Sequence[ConditionRow], x: str) -> dict[str, list[ConditionRow]]:
     """Conditions that differ in more than x, by the label that tells them apart, each in the order of x."""
     kept = ("bed", "material", "density", "diameter", "fill", "frequency", "drive", "acceleration_set")
-    names = [name for name in kept if name != x and len({row[name] for row in rows}) > 1]
+    names = [name for name in kept if name != x and len({getattr(row, name) for row in rows}) > 1]
     if "density" in (x, *names) and "material" in names:
         names.remove("material")
-    found: dict[str, list[Row]] = {}
+    found: dict[str, list[ConditionRow]] = {}
     for row in rows:
-        also = row.get("varied", {}).items()
-        words = [*(word(name, row[name]) for name in names), *(f"{name} {text}" for name, text in also)]
+        also = row.varied.items()
+        words = [*(word(name, getattr(row, name)) for name in names), *(f"{name} {text}" for name, text in also)]
         found.setdefault(", ".join(words), []).append(row)
-    return {label: sorted(mine, key=lambda row: float(row[x])) for label, mine in found.items()}
+    return {label: sorted(mine, key=lambda row: float(getattr(row, x))) for label, mine in found.items()}
 
 
-def word(name: str, value: Any) -> str:
+def word(name: str, value: str | float | None) -> str:
     """A setting in words."""
     if value is None:
         return f"{name} not known"
-    return f"{value * UNITS[name][1]:.4g} {UNITS[name][0]}" if name in UNITS else str(value)
+    if name not in UNITS or isinstance(value, str):
+        return str(value)
+    unit, scale = UNITS[name]
+    return f"{value * scale:.4g} {unit}"
 
 
-def _against_acceleration(rows: Sequence[Row], log: bool) -> Plot:
+def _against_acceleration(rows: Sequence[ConditionRow], log: bool) -> Plot:
     """The paper's Figs. 11 to 13: a panel for each line of them."""
     groups = series(rows, "acceleration_set")
     shown = list(groups.items())[:MOST_PANELS]
@@ -108,14 +113,14 @@ def _rest(count: int) -> str:
     return f"{more} The numbers are in the table of conditions."
 
 
-def _against(rows: Sequence[Row], x: str) -> Plot:
+def _against(rows: Sequence[ConditionRow], x: str) -> Plot:
     """A panel for each acceleration, where the largest W stands out."""
     label = AXES[x][0]
-    levels = sorted({row["acceleration_set"] for row in rows})
+    levels = sorted({row.acceleration_set for row in rows if row.acceleration_set is not None})
     shown = levels[:MOST_PANELS]
     panels = [legend(MARKS)]
     for level in shown:
-        mine = [row for row in rows if row["acceleration_set"] == level]
+        mine = [row for row in rows if row.acceleration_set == level]
         groups = series(mine, x)
         if len(groups) == 1:
             panels.append(_panel(next(iter(groups.values())), x, word("acceleration_set", level), False))
@@ -132,73 +137,73 @@ def _against(rows: Sequence[Row], x: str) -> Plot:
     return Plot(f"energy_{x}", f"Energy against {label.split(',')[0]}", alt, tuple(panels))
 
 
-def _panel(rows: Sequence[Row], x: str, title: str, log: bool) -> Drawing:
+def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawing:
     name, scale = AXES[x]
     if len(rows) > MOST_CONDITIONS:
         shown = thinned(rows, MOST_CONDITIONS)
         title, rows = f"{title}, {len(shown)} of {len(rows)} shown".lstrip(", "), shown
-    at = [scale * row[x] for row in rows]
-    told = [row for row in rows if row["W_T"] is not None]
-    runs = [(scale * row[x], 1e3 * run["W_exp"]) for row in rows for run in row["runs"]]
+    at = [scale * getattr(row, x) for row in rows]
+    told = [(scale * getattr(row, x), 1e3 * row.W_T, 1e3 * (row.U_W_T or 0.0)) for row in rows if row.W_T is not None]
+    runs = [(place, 1e3 * run.W_exp) for place, row in zip(at, rows, strict=True) for run in row.runs]
     heights = [
-        *(1e3 * (row["W_exp"] + sign * row["U_W_exp"]) for row in rows for sign in (-1, 1)),
-        *(1e3 * (row["W_T"] + sign * row["U_W_T"]) for row in told for sign in (-1, 1)), *(W for _, W in runs),
+        *(1e3 * (row.W_exp + sign * row.U_W_exp) for row in rows for sign in (-1, 1)),
+        *(1e3 * (row.W_T + sign * (row.U_W_T or 0.0)) for row in rows if row.W_T is not None for sign in (-1, 1)),
+        *(W for _, W in runs),
     ]  # fmt: skip
     axes: Callable[..., Scale] = logarithmic if log else linear
     if log:  # what a logarithmic axis cannot show ends it: nothing far below what is told from zero
-        floor = min((1e3 * max(row["W_detect"], 1e-9) for row in rows), default=1e-6)
+        floor = min((1e3 * max(row.detected, 1e-9) for row in rows), default=1e-6)
         heights = [max(height, floor / 3) for height in heights]
     panel = Panel(axes(at), axes(heights) if log else linear(heights, zero=True), name, "W, mJ per cycle", title)
     if len(at) == 1:
         panel.x = linear((at[0],))
-    panel.band(at, [panel.y.low] * len(at), [1e3 * row["W_detect"] for row in rows], GREY, 0.35)
+    panel.band(at, [panel.y.low] * len(at), [1e3 * row.detected for row in rows], GREY, 0.35)
     if told:
-        W_T, U = [1e3 * row["W_T"] for row in told], [1e3 * row["U_W_T"] for row in told]
-        where = [scale * row[x] for row in told]
+        where, W_T, U = (list(column) for column in zip(*told, strict=True))
         panel.band(where, [w - u for w, u in zip(W_T, U, strict=True)], [w + u for w, u in zip(W_T, U, strict=True)],
                    ORANGE, 0.25)  # fmt: skip
         panel.line(where, W_T, ORANGE)
     panel.dots([place for place, _ in runs], [W for _, W in runs], BLUE)
-    panel.bars(at, [1e3 * row["W_exp"] for row in rows], [1e3 * row["U_W_exp"] for row in rows], BLUE)
+    panel.bars(at, [1e3 * row.W_exp for row in rows], [1e3 * row.U_W_exp for row in rows], BLUE)
     return panel.drawing()
 
 
-def _single(row: Row) -> Plot:
+def _single(row: ConditionRow) -> Plot:
     """One condition: its runs, their mean with U, and what is predicted, beside each other."""
-    runs = [1e3 * run["W_exp"] for run in row["runs"]]
-    values = [*runs, *(1e3 * (row["W_exp"] + sign * row["U_W_exp"]) for sign in (-1, 1))]
-    names, predicted = ["runs", "W_exp"], row["W_T"] is not None
-    if predicted:
-        values += [1e3 * (row["W_T"] + sign * row["U_W_T"]) for sign in (-1, 1)]
+    runs = [1e3 * run.W_exp for run in row.runs]
+    values = [*runs, *(1e3 * (row.W_exp + sign * row.U_W_exp) for sign in (-1, 1))]
+    names, W_T, U_W_T = ["runs", "W_exp"], row.W_T, row.U_W_T or 0.0
+    if W_T is not None:
+        values += [1e3 * (W_T + sign * U_W_T) for sign in (-1, 1)]
         names.append("W_T")
-    panel = Panel(linear((-0.5, len(names) - 0.5)), linear(values), "", "W, mJ per cycle", row["id"], names=names)
-    panel.spread(panel.y.low, 1e3 * row["W_detect"], GREY, 0.35)
+    panel = Panel(linear((-0.5, len(names) - 0.5)), linear(values), "", "W, mJ per cycle", row.id, names=names)
+    panel.spread(panel.y.low, 1e3 * row.detected, GREY, 0.35)
     count = max(len(runs) - 1, 1)
     panel.dots([0.5 * (number / count - 0.5) for number in range(len(runs))], runs, BLUE, radius=3)
-    panel.bars([1], [1e3 * row["W_exp"]], [1e3 * row["U_W_exp"]], BLUE)
-    if predicted:
-        panel.bars([2], [1e3 * row["W_T"]], [1e3 * row["U_W_T"]], ORANGE, "D")
+    panel.bars([1], [1e3 * row.W_exp], [1e3 * row.U_W_exp], BLUE)
+    if W_T is not None:
+        panel.bars([2], [1e3 * W_T], [1e3 * U_W_T], ORANGE, "D")
     alt = (
-        f"Energy per cycle of the only condition, {row['id']}: {counted(len(runs), 'single run')}, the mean with its "
+        f"Energy per cycle of the only condition, {row.id}: {counted(len(runs), 'single run')}, the mean with its "
         "95 % uncertainty, and the predicted energy with its own. The numbers are in the table of conditions."
     )
     return Plot("energy", "Energy per cycle", alt, (panel.drawing(),), across=1)
 
 
-def _beds(rows: Sequence[Row]) -> Plot:
+def _beds(rows: Sequence[ConditionRow]) -> Plot:
     """Conditions that differ in nothing with an axis: beside each other."""
     shown = rows[:MOST_PANELS]
-    values = [1e3 * (row["W_exp"] + sign * row["U_W_exp"]) for row in shown for sign in (-1, 1)]
-    values += [1e3 * row["W_T"] for row in shown if row["W_T"] is not None]
-    told = {tuple(row.get("varied", {})) for row in shown}
+    values = [1e3 * (row.W_exp + sign * row.U_W_exp) for row in shown for sign in (-1, 1)]
+    values += [1e3 * row.W_T for row in shown if row.W_T is not None]
+    told = {tuple(row.varied) for row in shown}
     (only,) = next(iter(told)) if len(told) == 1 and len(next(iter(told))) == 1 else ("condition",)
-    names = [row.get("varied", {}).get(only, row["id"]) for row in shown]
+    names = [row.varied.get(only, row.id) for row in shown]
     panel = Panel(linear((-0.5, len(shown) - 0.5)), linear(values, zero=True), only, "W, mJ per cycle", names=names)
     for place, row in enumerate(shown):
-        panel.dots([place] * len(row["runs"]), [1e3 * run["W_exp"] for run in row["runs"]], BLUE)
-        panel.bars([place], [1e3 * row["W_exp"]], [1e3 * row["U_W_exp"]], BLUE, MARKERS[0])
-        if row["W_T"] is not None:
-            panel.bars([place + 0.25], [1e3 * row["W_T"]], [1e3 * row["U_W_T"]], ORANGE, MARKERS[2])
+        panel.dots([place] * len(row.runs), [1e3 * run.W_exp for run in row.runs], BLUE)
+        panel.bars([place], [1e3 * row.W_exp], [1e3 * row.U_W_exp], BLUE, MARKERS[0])
+        if row.W_T is not None:
+            panel.bars([place + 0.25], [1e3 * row.W_T], [1e3 * (row.U_W_T or 0.0)], ORANGE, MARKERS[2])
     alt = (
         "Energy per cycle of each condition: single runs, means with 95 % uncertainty bars, and the predicted energy "
         "beside them." + _rest(len(rows) - len(shown))

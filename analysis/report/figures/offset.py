@@ -1,7 +1,6 @@
 """Figures of the agreement: offset against W_T, its terms, the nulls as angles, Bland and Altman's."""
 
 import math
-from typing import Any
 
 from analysis.report.figures.axes import (
     BLUE,
@@ -16,26 +15,25 @@ from analysis.report.figures.axes import (
 )
 from analysis.report.figures.drawing import Plot, thinned, thinned_words
 from analysis.report.loss_names import loss_name, short_name
-from analysis.session.ledger_columns import TERMS
+from analysis.results.condition_row import TERMS, ConditionRow, OffsetTerms
+from analysis.results.report import Report
 from analysis.text import counted
 
 __all__ = ["bland_altman", "nulls_plot", "offset_plot", "terms_plot", "weighted_terms"]
 
-Row = dict[str, Any]
 
-
-def offset_plot(report: Row) -> Plot | None:
+def offset_plot(report: Report) -> Plot | None:
     """W_exp / W_T - 1 with U against W_T; None where there is none."""
-    told = [row for row in report["conditions"] if row["offset"] is not None]
+    told = _with_offset(report)
     if not told:
         return None
     rows = thinned(told)
-    W = [1e3 * row["W_T"] for row in rows]
-    offset, U = ([100 * row[name] for row in rows] for name in ("offset", "U_offset"))
+    W = [1e3 * W_T for _, W_T, _ in rows]
+    offset, U = [100 * value for _, _, value in rows], [100 * (row.U_offset or 0.0) for row, _, _ in rows]
     ends = [value + sign * half for value, half in zip(offset, U, strict=True) for sign in (-1, 1)]
     panel = Panel(logarithmic(W), signed_logarithmic(ends), "W_T, mJ per cycle", "offset, %", height=300)
-    ratio, U_ratio = report["agreement"]["ratio"], report["agreement"]["U_ratio"]
-    if ratio is not None:
+    ratio, U_ratio = report.agreement.ratio, report.agreement.U_ratio
+    if ratio is not None and U_ratio is not None:
         panel.spread(100 * (ratio - 1 - U_ratio), 100 * (ratio - 1 + U_ratio), ORANGE, 0.2)
         panel.level(100 * (ratio - 1), ORANGE)
     panel.level(0.0, INK)
@@ -50,24 +48,29 @@ def offset_plot(report: Row) -> Plot | None:
     return Plot("offset", "Offset against W_T", alt, (legend(words), panel.drawing()), across=1)
 
 
-def weighted_terms(report: Row) -> dict[str, float] | None:
+def _with_offset(report: Report) -> list[tuple[ConditionRow, float, float]]:
+    """The conditions that state an offset, with W_T (J) and the offset."""
+    return [(row, row.W_T, row.offset) for row in report.conditions if row.offset is not None and row.W_T is not None]
+
+
+def weighted_terms(report: Report) -> OffsetTerms | None:
     """The terms of the offset as fractions of W_T, weighted with W_T, over the conditions that have them."""
-    told = [row for row in report["conditions"] if row["offset_terms"] is not None]
-    total = math.fsum(row["W_T"] for row in told)
+    told = [(row.offset_terms, row.W_T or 0.0) for row in report.conditions if row.offset_terms is not None]
+    total = math.fsum(W_T for _, W_T in told)
     if not told or not total > 0:
         return None
-    return {name: math.fsum(row["offset_terms"][name] * row["W_T"] for row in told) / total for name in TERMS}
+    return OffsetTerms(**{name: math.fsum(getattr(terms, name) * W_T for terms, W_T in told) / total for name in TERMS})
 
 
-def terms_plot(report: Row) -> Plot | None:
+def terms_plot(report: Report) -> Plot | None:
     """From W_T to W_exp, a column for each term; None without truth."""
     found = weighted_terms(report)
     if found is None:
         return None
     steps, so_far = [], 0.0
-    for name in TERMS:
-        steps.append((name, so_far, so_far + 100 * found[name]))
-        so_far += 100 * found[name]
+    for name, value in found.named():
+        steps.append((name, so_far, so_far + 100 * value))
+        so_far += 100 * value
     named = [*(short_name(name) if name != "remainder" else "rest" for name, _, _ in steps), "offset"]
     panel = Panel(
         linear((-0.6, len(steps) + 0.6)), linear([0.0, *(end for _, _, end in steps)], zero=True), "", "% of W_T",
@@ -82,39 +85,40 @@ def terms_plot(report: Row) -> Plot | None:
             panel.word(place, high, f"{end - start:+.{places}f}".replace("-", "−"), up=4)
         panel.word(place, panel.y.low, named[place], up=-14 if place % 2 == 0 else -27)
     panel.level(0.0, INK)
-    told = ", ".join(f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.items())
+    told = ", ".join(f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.named())
     alt = f"The offset, term by term, as per cent of W_T weighted with energy: {told}; together {so_far:+.3g} %."
     return Plot("terms", "From W_T to W_exp", alt, (panel.drawing(),), across=1)
 
 
-def nulls_plot(report: Row) -> Plot | None:
+def nulls_plot(report: Report) -> Plot | None:
     """The nulls as angles with U; None without."""
-    rows = [row for row in report["nulls"] if row["dphi"] is not None and row["U_dphi"] is not None]
-    if not rows:
+    told = [(row, row.dphi, row.U_dphi) for row in report.nulls if row.dphi is not None and row.U_dphi is not None]
+    if not told:
         return None
-    values = [1e3 * (row["dphi"] + sign * row["U_dphi"]) for row in rows for sign in (-1, 1)]
-    names = [f"{row['null']}, {row['bed_mass']:.3g} kg" if row["bed_mass"] else row["null"] for row in rows]
+    rows = [row for row, _, _ in told]
+    values = [1e3 * (dphi + sign * U) for _, dphi, U in told for sign in (-1, 1)]
+    names = [f"{row.null}, {row.bed_mass:.3g} kg" if row.bed_mass else row.null for row in rows]
     panel = Panel(linear((-0.6, len(rows) - 0.4)), linear([*values, 0.0]), "bed that cannot slide", "angle, mrad",
-                  height=220, names=names if len(rows) <= 3 else [row["null"] for row in rows])  # fmt: skip
+                  height=220, names=names if len(rows) <= 3 else [row.null for row in rows])  # fmt: skip
     panel.level(0.0, INK)
-    for place, row in enumerate(rows):
-        colour = ORANGE if row["verdict"] == "does not hold" else BLUE
-        panel.bars([place], [1e3 * row["dphi"]], [1e3 * row["U_dphi"]], colour, "D" if colour == ORANGE else "o")
-    told = ", ".join(f"{row['null']} {1e3 * row['dphi']:.2g} ± {1e3 * row['U_dphi']:.2g} mrad" for row in rows)
-    alt = f"Angle left between the channels with a bed that cannot slide, with U (95 %): {told}. Zero is right."
+    for place, (row, dphi, U) in enumerate(told):
+        colour = ORANGE if row.verdict == "does not hold" else BLUE
+        panel.bars([place], [1e3 * dphi], [1e3 * U], colour, "D" if colour == ORANGE else "o")
+    words = ", ".join(f"{row.null} {1e3 * dphi:.2g} ± {1e3 * U:.2g} mrad" for row, dphi, U in told)
+    alt = f"Angle left between the channels with a bed that cannot slide, with U (95 %): {words}. Zero is right."
     return Plot("nulls", "Nulls as angles", alt, (panel.drawing(),), across=1)
 
 
-def bland_altman(report: Row) -> Plot | None:
+def bland_altman(report: Report) -> Plot | None:
     """Relative difference against the mean of both, with bias and limits of agreement; None with fewer than 3.
 
     Bland and Altman, Lancet 327, 307 (1986); relative because the differences grow with W.
     """
-    rows = [row for row in report["conditions"] if row["offset"] is not None]
+    rows = _with_offset(report)
     if len(rows) < 3:
         return None
-    mean = [(row["W_exp"] + row["W_T"]) / 2 for row in rows]
-    difference = [100 * (row["W_exp"] - row["W_T"]) / m for row, m in zip(rows, mean, strict=True)]
+    mean = [(row.W_exp + W_T) / 2 for row, W_T, _ in rows]
+    difference = [100 * (row.W_exp - W_T) / m for (row, W_T, _), m in zip(rows, mean, strict=True)]
     bias = math.fsum(difference) / len(rows)
     s = math.sqrt(math.fsum((d - bias) ** 2 for d in difference) / (len(rows) - 1))
     low, high = bias - 1.96 * s, bias + 1.96 * s

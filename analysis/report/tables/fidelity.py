@@ -1,63 +1,60 @@
 """How finely and how long each condition was simulated, where a tolerance decided it."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, number
+from analysis.results.report import Report
+from analysis.session.fidelity import CycleCounts, FidelityChoice, Lengths
 
 __all__ = ["fidelity", "fidelity_sentences"]
-
-Report = Mapping[str, Any]
 
 
 def fidelity_sentences(report: Report) -> tuple[str, ...]:
     """What was asked, what it cost, and where it is not reached; nothing where the protocol wrote everything itself."""
-    found = report.get("fidelity")
+    found = report.fidelity
     if found is None:
         return ()
-    cycles = found["cycles"]
+    cycles = found.cycles
     text = (
-        f"Fidelity auto, tolerance {100 * found['tolerance']:g} % of W per cycle: {cycles['auto']} cycles of the drive "
-        f"were run; the protocol writes {cycles['written']}, and fully resolved they would be {cycles['resolved']}."
-        f"{_work(found['row_cycles'])}"
+        f"Fidelity auto, tolerance {100 * found.tolerance:g} % of W per cycle: {cycles.auto} cycles of the drive "
+        f"were run; the protocol writes {cycles.written}, and fully resolved they would be {cycles.resolved}."
+        f"{_work(found.row_cycles)}"
     )
-    if found["not_met"]:
-        text += f" The tolerance is NOT met in {', '.join(found['not_met'])}: see the table Fidelity."
+    if found.not_met:
+        text += f" The tolerance is NOT met in {', '.join(found.not_met)}: see the table Fidelity."
     return (text,)
 
 
-def _work(rows: Mapping[str, float]) -> str:
+def _work(rows: CycleCounts) -> str:
     """What was saved of the motion of single rows, and what finding the choice took."""
-    if not rows["auto"]:
+    if not rows.auto:
         return " No rows of grains had to be followed."
     return (
-        f" Each row of grains counted in each cycle, that is {_times(rows['auto'] / rows['written'])} the work as "
-        f"written and {_times(rows['auto'] / rows['resolved'])} the fully resolved; finding the choice took, once, "
-        f"{_times(rows['planning'] / rows['auto'])} what was run."
+        f" Each row of grains counted in each cycle, that is {_times(rows.auto / rows.written)} the work as "
+        f"written and {_times(rows.auto / rows.resolved)} the fully resolved; finding the choice took, once, "
+        f"{_times((rows.planning or 0.0) / rows.auto)} what was run."
     )
 
 
-def fidelity(report: dict[str, Any]) -> Table:
+def fidelity(report: Report) -> Table:
     """The choice in each condition, its predicted error and what was skipped."""
     head = (
         "id", "rows", "settle", "record", "as written", "resolved", "error, %", "of rows, %", "of settle, record, %",
         "of noise, %", "met", "skipped",
     )  # fmt: skip
-    found = report.get("fidelity")
+    found = report.fidelity
     if found is None:
         return Table("Fidelity", "", head, ())
     rows = tuple(
         (
-            Cell(row["id"]), *(_whole(row[name]) for name in ("rows", "settle", "record")),
-            Cell(_lengths(row, "written")), Cell(_lengths(row, "resolved")),
-            *(number(row[name], 2, 100) for name in ("error", "error_rows", "error_window", "error_noise")),
-            Cell("yes" if row["met"] else f"no: {row['why']}"), Cell("; ".join(row["skipped"])),
+            Cell(row.id), *map(_whole, (row.rows, row.settle, row.record)),
+            Cell(_lengths(row, row.written)), Cell(_lengths(row, row.resolved)),
+            *(number(error, 2, 100) for error in (row.error, row.error_rows, row.error_window, row.error_noise)),
+            Cell("yes" if row.met else f"no: {row.why}"), Cell("; ".join(row.skipped)),
         )
-        for row in found["conditions"]
+        for row in found.conditions
     )  # fmt: skip
     note = (
-        f"Found for a tolerance of {100 * found['tolerance']:g} %: rows per layer, cycles to settle and to record. "
-        f"Rows may take {100 * found['rows_share']:g} % of it; settling, record and noise share what they leave. The "
+        f"Found for a tolerance of {100 * found.tolerance:g} %: rows per layer, cycles to settle and to record. "
+        f"Rows may take {100 * found.rows_share:g} % of it; settling, record and noise share what they leave. The "
         "error is predicted for the mean over the runs, against rows side by side (L2/d), settled and recorded "
         "long. As written and resolved: rows, settle + record. The force range is used by the rows that were run; "
         "peaks of them that exceed the exciter (flags over_peak, over_buckling) are told of all rows side by side."
@@ -65,12 +62,12 @@ def fidelity(report: dict[str, Any]) -> Table:
     return Table("Fidelity", note, head, rows)
 
 
-def _lengths(row: Mapping[str, Any], name: str) -> str:
-    rows, settle, record = row[name]
-    return f"{rows if row['rows'] else '–'}, {settle} + {record}"
+def _lengths(row: FidelityChoice, lengths: Lengths) -> str:
+    rows, settle, record = lengths
+    return f"{rows if row.rows else '–'}, {settle} + {record}"
 
 
-def _whole(value: int | None) -> Cell:
+def _whole(value: float | None) -> Cell:
     return UNKNOWN if value is None else Cell(str(value), value)
 
 

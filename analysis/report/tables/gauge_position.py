@@ -1,26 +1,23 @@
 """Where gauge and accelerometer sit, and what they would read on the box."""
 
-from typing import Any
-
 from analysis.report.tables.cells import Cell, Table, fixed, number
+from analysis.results.report import Report
 
 __all__ = ["at_box"]
-
-Report = dict[str, Any]
 
 
 def at_box(report: Report) -> Table:
     """W and apparent mass as read and as compensated; no rows where nothing is known of the stinger."""
     rows = tuple(
         (
-            Cell(row["id"]), Cell(row["bed"]), Cell(row["gauge"]), Cell(row["accelerometer"]),
-            fixed(row["acceleration"], 3),
-            number(row["W_exp"], 4, 1e3), number(row["W_at_box"], 4, 1e3),
-            fixed(_percent(row["W_exp"], row["W_at_box"]), 2), number(row["M_eff"], 5), number(row["M_eff_at_box"], 5),
-            fixed(_percent(row["M_eff"], row["M_eff_at_box"]), 2),
+            Cell(row.id), Cell(row.bed), Cell(row.gauge or ""), Cell(row.accelerometer or ""),
+            fixed(row.acceleration, 3),
+            number(row.W_exp, 4, 1e3), number(row.W_at_box, 4, 1e3),
+            fixed(_percent(row.W_exp, row.W_at_box), 2), number(row.M_eff, 5), number(row.M_eff_at_box, 5),
+            fixed(_percent(row.M_eff, row.M_eff_at_box), 2),
         )
-        for row in report["conditions"]
-        if row.get("W_at_box") is not None
+        for row in report.conditions
+        if row.W_at_box is not None
     )  # fmt: skip
     note = (
         "Compensated with what the rig file knows of the gauge's mass and of the stinger: W at the box holds no loss "
@@ -33,5 +30,5 @@ def at_box(report: Report) -> Table:
     return Table("Place and mass of the gauge", note, head, rows)
 
 
-def _percent(read: float, known: float) -> float | None:
-    return 100.0 * (read / known - 1.0) if known else None
+def _percent(read: float | None, known: float | None) -> float | None:
+    return 100.0 * (read / known - 1.0) if known and read is not None else None

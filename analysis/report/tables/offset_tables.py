@@ -1,14 +1,14 @@
 """Tables of where an offset comes from: its terms in each condition, and the marks of every candidate cause."""
 
-from typing import Any
+import math
 
 from analysis.report.loss_names import first_principles, loss_name, short_name
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, significant
-from analysis.session.ledger_columns import TERMS
+from analysis.results.cause_row import CauseRow, Growth
+from analysis.results.condition_row import TERMS
+from analysis.results.report import Report
 
 __all__ = ["causes", "offset_terms"]
-
-Report = dict[str, Any]
 
 LOSSES = ("noise", "air", "gas", "guide friction", "cords")
 """Causes that the protocol switches on."""
@@ -17,22 +17,21 @@ LOSSES = ("noise", "air", "gas", "guide friction", "cords")
 def offset_terms(report: Report) -> Table:
     """The offset of each condition, term by term."""
     title, head = "Offset, term by term", ("id", "offset, %", *(f"{short_name(name)}, %" for name in TERMS))
-    told = [row for row in report["conditions"] if row["offset_terms"] is not None]
+    told = [(row, row.offset_terms) for row in report.conditions if row.offset_terms is not None]
     if not told:
         return Table(title, "", head, ())
     rows = tuple(
-        (Cell(row["id"]), _percent(row["offset"]), *(_percent(row["offset_terms"][name]) for name in TERMS))
-        for row in told
+        (Cell(row.id), _percent(row.offset), *(_percent(value) for _, value in terms.named())) for row, terms in told
     )
-    worst = max(told, key=lambda row: abs(row["offset_terms"]["remainder"]) / row["allowed_remainder"])
-    remainder, allowed = abs(worst["offset_terms"]["remainder"]), worst["allowed_remainder"]
+    left = [(abs(terms.remainder), row.allowed_remainder or math.inf, row) for row, terms in told]
+    remainder, allowed, worst = max(left, key=lambda each: each[0] / each[1])
     within = "within" if remainder <= allowed else "beyond"
     note = (
         "Percent of W_T, from the rig's own ledger and the true state of its instruments; the terms add up to the "
         f"offset. Losses outside the grains: viscous, {loss_name('noise', report)}; quadratic, "
         f"{loss_name('air', report)}; gas and mount. phase and scale are the instruments; refill is what the poured "
         "bed took beyond W_T at the level reached, the waveform's share included where no ablation "
-        f"parts them. The remainder nearest to its limit, {significant(100 * remainder, 2)} % in {worst['id']}, is "
+        f"parts them. The remainder nearest to its limit, {significant(100 * remainder, 2)} % in {worst.id}, is "
         f"{within} the {significant(100 * allowed, 2)} % that are allowed there."
     )
     return Table(title, note, head, rows)
@@ -44,16 +43,16 @@ def causes(report: Report) -> Table:
         "cause", "law", "in this run", "% of W_T", "power of a", "power of mass", "power of fill",
         "left empty, % of full", "left locked, % of full", "in words",
     )  # fmt: skip
-    told = report["causes"]
-    losses = [row for row in told if row["cause"] in LOSSES]
-    off = report["synthetic"] and bool(losses) and not any(row["in_run"] for row in losses)
-    shown = [row for row in told if row["in_run"]] if off else told
+    told = report.causes
+    losses = [row for row in told if row.cause in LOSSES]
+    off = report.synthetic and bool(losses) and not any(row.in_run for row in losses)
+    shown = [row for row in told if row.in_run] if off else told
     rows = tuple(
         (
-            Cell(loss_name(row["cause"], report)), Cell(row["law"]), Cell("yes" if row["in_run"] else "no, computed"),
-            _left(row["share"], "run" if row["in_run"] else "computed"), *map(_power, row["grows_with"].values()),
-            _left(row["empty"], row["empty_from"]), _left(row["locked"], row["locked_from"]),
-            Cell(" ".join(filter(None, (row["words"], *_here(row, report))))),
+            Cell(loss_name(row.cause, report)), Cell(row.law), Cell("yes" if row.in_run else "no, computed"),
+            _left(row.share, "run" if row.in_run else "computed"), *_powers(row.grows_with),
+            _left(row.empty, row.empty_from), _left(row.locked, row.locked_from),
+            Cell(" ".join(filter(None, (row.words, *_here(row, report))))),
         )
         for row in shown
     )  # fmt: skip
@@ -74,14 +73,18 @@ def causes(report: Report) -> Table:
     return Table("Causes of an offset", note, head, rows)
 
 
-def _here(row: Report, report: Report) -> tuple[str, ...]:
+def _here(row: CauseRow, report: Report) -> tuple[str, ...]:
     """What is known of a cause in this session, in sentences."""
-    size = first_principles(row["cause"], report)
-    return tuple(f"Here: {text}." for text in (size, row["note"]) if text)
+    size = first_principles(row.cause, report)
+    return tuple(f"Here: {text}." for text in (size, row.note) if text)
 
 
-def _percent(value: float) -> Cell:
-    return fixed(100 * value, 2)
+def _percent(value: float | None) -> Cell:
+    return UNKNOWN if value is None else fixed(100 * value, 2)
+
+
+def _powers(grows: Growth) -> tuple[Cell, ...]:
+    return tuple(map(_power, (grows.acceleration, grows.mass, grows.fill)))
 
 
 def _power(exponent: float | None) -> Cell:

@@ -1,43 +1,40 @@
 """The report's tables, the same in every form of it."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from analysis.report.tables.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
+from analysis.results.condition_row import ConditionRow, SourceRow
+from analysis.results.report import Report
 
 __all__ = [
     "budget", "budget_of_W_T", "claims", "coil", "comparisons", "conditions", "flags", "instruments", "nulls",
     "recorded", "references", "values",
 ]  # fmt: skip
 
-Report = dict[str, Any]
-
 FEW = 6  # conditions that a note names
 
 
 def conditions(report: Report) -> Table:
     """The table of conditions."""
-    head = (
+    known = (
         "id", "grains", "fill, %", "a, m/s²", "W_exp ± U, mJ", "W_T ± U, mJ", "offset, %", "E_n", "E_n chain",
         "detect, mJ", "eta ± U", "M_eff ± U, kg", "THD box, %", "bound, mJ",
     )  # fmt: skip
-    more = list(dict.fromkeys(name for row in report["conditions"] for name in row.get("varied", ())))
-    head = (*head[:2], *more, *head[2:])
+    more = list(dict.fromkeys(name for row in report.conditions for name in row.varied))
+    head = (*known[:2], *more, *known[2:])
     rows = []
-    for row in report["conditions"]:
-        size = "" if row["diameter"] is None else f" {1e3 * row['diameter']:g} mm"
-        grains = f"{row['material']}{size}" if row["bed"] not in ("empty", "dashpot") else ""
-        bed = "" if row["bed"] == "unknown" else row["bed"]
-        fill = (
-            UNKNOWN if row["fill"] is None or row["bed"] == "empty" else Cell(f"{100 * row['fill']:.4g}", row["fill"])
-        )
-        also = (Cell(row.get("varied", {}).get(name, "")) for name in more)
+    for row in report.conditions:
+        size = "" if row.diameter is None else f" {1e3 * row.diameter:g} mm"
+        grains = f"{row.material}{size}" if row.bed not in ("empty", "dashpot") else ""
+        bed = "" if row.bed == "unknown" else row.bed
+        fill = UNKNOWN if row.fill is None or row.bed == "empty" else Cell(f"{100 * row.fill:.4g}", row.fill)
+        also = (Cell(row.varied.get(name, "")) for name in more)
         rows.append((
-            Cell(row["id"]), Cell(f"{bed} {grains}".strip()), *also, fill, fixed(row["acceleration"], 3),
-            with_U(row["W_exp"], row["U_W_exp"], 1e3), with_U(row["W_T"], row["U_W_T"], 1e3),
-            with_U(row["offset"], row["U_offset"], 100), fixed(row["E_n"], 2), fixed(row["E_n_chain"], 2),
-            number(row["W_detect"], 2, 1e3), with_U(row["eta"], row["U_eta"]), with_U(row["M_eff"], row["U_M_eff"]),
-            number(row["thd_box"], 2, 100), number(row["bound"], 3, 1e3),
+            Cell(row.id), Cell(f"{bed} {grains}".strip()), *also, fill, fixed(row.acceleration, 3),
+            with_U(row.W_exp, row.U_W_exp, 1e3), with_U(row.W_T, row.U_W_T, 1e3),
+            with_U(row.offset, row.U_offset, 100), fixed(row.E_n, 2), fixed(row.E_n_chain, 2),
+            number(row.W_detect, 2, 1e3), with_U(row.eta, row.U_eta), with_U(row.M_eff, row.U_M_eff),
+            number(row.thd_box, 2, 100), number(row.bound, 3, 1e3),
         ))  # fmt: skip
     note = (
         "Energies in mJ per cycle, means over the runs, expanded uncertainties for 95 %. The offset is left out where "
@@ -45,12 +42,10 @@ def conditions(report: Report) -> Table:
         "rig's own ledger: within ±1 they agree."
     )
     impossible = [
-        row["id"]
-        for row in report["conditions"]
-        if row["bound"] is not None and (row["W_T_paper"] or 0) > row["bound"] * (1 + 1e-9)
+        row.id for row in report.conditions if row.bound is not None and (row.W_T_paper or 0) > row.bound * (1 + 1e-9)
     ]
     if impossible:
-        many = f"{len(impossible)} of {len(report['conditions'])} conditions"
+        many = f"{len(impossible)} of {len(report.conditions)} conditions"
         where = ", ".join(impossible) if len(impossible) <= FEW else many
         note += f" The paper's own formula exceeds the hard bound, and is impossible, in {where}."
     return Table("Conditions", note, head, tuple(rows))
@@ -60,10 +55,10 @@ def comparisons(report: Report) -> Table:
     """The three comparisons: what was compared with what, and how often it agrees."""
     rows = tuple(
         (
-            Cell(row["comparison"]), Cell(f"W_exp against {row['against']}"), Cell(str(row["n"]), row["n"]),
-            Cell(str(row["within"]), row["within"]), Cell(row["why"]),
+            Cell(row.comparison), Cell(f"W_exp against {row.against}"), Cell(str(row.n), row.n),
+            Cell(str(row.within), row.within), Cell(row.why),
         )
-        for row in report.get("comparisons", ())
+        for row in report.comparisons
     )  # fmt: skip
     note = (
         "Three questions that are never mixed. Chain: do instruments and analysis read what was there? Prediction: is "
@@ -74,16 +69,16 @@ def comparisons(report: Report) -> Table:
 
 def recorded(report: Report) -> Table:
     """W_exp beside the predictions on a sine and on the recorded waveform; no rows where the latter was not made."""
-    made = any(row["W_T_recorded"] for row in report["conditions"])
+    made = any(row.W_T_recorded for row in report.conditions)
     rows = tuple(
         (
-            Cell(row["id"]), fixed(row["acceleration"], 3), number(row["thd_acceleration"], 2, 100),
-            with_U(row["W_exp"], row["U_W_exp"], 1e3), number(row["W_T"], 4, 1e3),
-            with_U(row["W_T_recorded"], row["U_W_T_recorded"], 1e3), with_U(row["offset"], row["U_offset"], 100),
-            with_U(row["offset_recorded"], row["U_offset_recorded"], 100), fixed(row["E_n_recorded"], 2),
+            Cell(row.id), fixed(row.acceleration, 3), number(row.thd_acceleration, 2, 100),
+            with_U(row.W_exp, row.U_W_exp, 1e3), number(row.W_T, 4, 1e3),
+            with_U(row.W_T_recorded, row.U_W_T_recorded, 1e3), with_U(row.offset, row.U_offset, 100),
+            with_U(row.offset_recorded, row.U_offset_recorded, 100), fixed(row.E_n_recorded, 2),
         )
-        for row in report["conditions"]
-        if made and row["W_T_recorded"] is not None
+        for row in report.conditions
+        if made and row.W_T_recorded is not None
     )  # fmt: skip
     note = (
         "W_T on the recorded waveform: the same bed driven by the box's measured acceleration, all of its band, in "
@@ -101,11 +96,11 @@ def coil(report: Report) -> Table:
     """Energies from the coil's current beside those from the gauge; no rows where it was not recorded."""
     rows = tuple(
         (
-            Cell(row["id"]), fixed(row["acceleration"], 3), with_U(row["W_exp"], row["U_W_exp"], 1e3),
-            with_U(row["W_coil"], row["U_W_coil"], 1e3), fixed(row["E_n_coil"], 2),
+            Cell(row.id), fixed(row.acceleration, 3), with_U(row.W_exp, row.U_W_exp, 1e3),
+            with_U(row.W_coil, row.U_W_coil, 1e3), fixed(row.E_n_coil, 2),
         )
-        for row in report["conditions"]
-        if row["W_coil"] is not None
+        for row in report.conditions
+        if row.W_coil is not None
     )  # fmt: skip
     note = (
         "W_coil is the work at the gauge plane as coil current and box acceleration tell it, without the gauge: BL i "
@@ -119,16 +114,16 @@ def coil(report: Report) -> Table:
 def claims(report: Report) -> Table:
     """The claims with what was found, their cases below them."""
     rows = []
-    for number_, row in enumerate(report["claims"], 1):
-        words = Cell(f"{row['claim']} ({row['test']})")
+    for number_, row in enumerate(report.claims, 1):
+        words = Cell(f"{row.claim} ({row.test})")
         rows.append((
-            Cell(str(number_), number_), words, Cell("", None), Cell(row["found"]), Cell(row["verdict"]),
-            Cell(row["why"]), Cell(", ".join(row["ties"])),
+            Cell(str(number_), number_), words, Cell("", None), Cell(row.found), Cell(row.verdict),
+            Cell(row.why), Cell(", ".join(row.ties)),
         ))  # fmt: skip
         rows += [
-            (Cell(str(number_), number_), Cell(""), Cell(case["at"]), Cell(case["found"]), Cell(case["verdict"]),
-             Cell(case["why"]), Cell(", ".join(case["ties"])))
-            for case in row["cases"]
+            (Cell(str(number_), number_), Cell(""), Cell(case.at), Cell(case.found), Cell(case.verdict),
+             Cell(case.why), Cell(", ".join(case.ties)))
+            for case in row.cases
         ]  # fmt: skip
     note = (
         "What the protocol expects, with margins that stand in it, judged from ln W with the scatter of the repeats: a "
@@ -143,11 +138,11 @@ def nulls(report: Report) -> Table:
     """The null tests."""
     rows = tuple(
         (
-            Cell(row["null"]), number(row["bed_mass"]), _plain(row["frequency"]),
-            _plain(row["levels"]),
-            with_U(row["dphi"], row["U_dphi"], 1e3), Cell(row["verdict"]), Cell(row["why"]),
+            Cell(row.null), number(row.bed_mass), _plain(row.frequency),
+            _plain(row.levels),
+            with_U(row.dphi, row.U_dphi, 1e3), Cell(row.verdict), Cell(row.why),
         )
-        for row in report["nulls"]
+        for row in report.nulls
     )  # fmt: skip
     note = (
         "A bed that cannot slide must look like mass: the angle between the channels must vanish within its U. A "
@@ -161,10 +156,10 @@ def references(report: Report) -> Table:
     """The references."""
     rows = tuple(
         (
-            Cell(row["reference"]), Cell(row["of"]), with_U(row["value"], row["U"]), number(row["expected"], 5),
-            Cell(row["unit"]), Cell(row["verdict"]), Cell(row["why"]),
+            Cell(row.reference), Cell(row.of), with_U(row.value, row.U), number(row.expected, 5),
+            Cell(row.unit), Cell(row.verdict), Cell(row.why),
         )
-        for row in report["references"]
+        for row in report.references
     )  # fmt: skip
     note = (
         "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels, and "
@@ -179,49 +174,48 @@ BUDGET = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part
 def budget(report: Report) -> Table:
     """The uncertainty budget of W_exp in the condition with the largest energy."""
     title = "Uncertainty budget"
-    if not report["conditions"]:
+    if not report.conditions:
         return Table(title, "", (), ())
     top = _largest(report)
-    nu = "∞" if top["nu"] is None else f"{top['nu']:.0f}"
+    nu = "∞" if top.nu is None else f"{top.nu:.0f}"
     note = (
-        f"Of W_exp in {top['id']}, the condition with the largest energy: "
-        f"{with_U(top['W_exp'], top['U_W_exp'], 1e3).text} mJ (k = {top['k']:.2f}, {nu} degrees of freedom). Scatter "
+        f"Of W_exp in {top.id}, the condition with the largest energy: "
+        f"{with_U(top.W_exp, top.U_W_exp, 1e3).text} mJ (k = {top.k:.2f}, {nu} degrees of freedom). Scatter "
         "between runs holds the instruments' noise. All other lines are common to all conditions; report.json has the "
         "budget of each. Where few runs and certificates come together, k is not Student's at these degrees of freedom "
         "but what covers 95 % (docs/report.md, Uncertainty)."
     )
-    return Table(title, note, BUDGET, _lines(top["uncertainty"]))
+    return Table(title, note, BUDGET, _lines(top.uncertainty))
 
 
 def budget_of_W_T(report: Report) -> Table:
     """The same of W_T, in the same condition."""
     title = "Uncertainty budget of W_T"
-    if not report["conditions"] or not _largest(report).get("uncertainty_W_T"):
+    if not report.conditions or not _largest(report).uncertainty_W_T:
         return Table(title, "", (), ())
     top = _largest(report)
     note = (
-        f"Of W_T in {top['id']}: {with_U(top['W_T'], top['U_W_T'], 1e3).text} mJ. It is read at the measured "
+        f"Of W_T in {top.id}: {with_U(top.W_T, top.U_W_T, 1e3).text} mJ. It is read at the measured "
         "acceleration, so that the accelerometer's errors enter; between levels it is rough where grains lock to the "
         "drive. Settling of the bed: what a record of this length after this settling holds beside the steady state "
         "that W_T is. report.json has the budget of each condition."
     )
-    return Table(title, note, BUDGET, _lines(top["uncertainty_W_T"]))
+    return Table(title, note, BUDGET, _lines(top.uncertainty_W_T))
 
 
-def _largest(report: Report) -> Report:
+def _largest(report: Report) -> ConditionRow:
     """The condition with the largest energy."""
-    largest: Report = max(report["conditions"], key=lambda row: float(row["W_exp"]))
-    return largest
+    return max(report.conditions, key=lambda row: row.W_exp)
 
 
-def _lines(lines: Sequence[Report]) -> tuple[tuple[Cell, ...], ...]:
+def _lines(lines: Sequence[SourceRow]) -> tuple[tuple[Cell, ...], ...]:
     """Rows of a budget."""
     return tuple(
         (
-            Cell(line["source"]), _input(line["u"], line["unit"]),
-            number(line["c"], 3, 1.0 if line["unit"] == "J" else 1e3),
-            UNBOUNDED if line["nu"] is None else _plain(line["nu"]),
-            number(1e3 * abs(line["c"] * line["u"]), 2), number(line["share"], 2, 100),
+            Cell(line.source), _input(line.u, line.unit),
+            number(line.c, 3, 1.0 if line.unit == "J" else 1e3),
+            UNBOUNDED if line.nu is None else _plain(line.nu),
+            number(1e3 * abs(line.c * line.u), 2), number(line.share, 2, 100),
         )
         for line in lines
     )  # fmt: skip
@@ -236,11 +230,11 @@ def _input(u: float, unit: str) -> Cell:
 def flags(report: Report) -> Table:
     """Flags and runs that were left out."""
     rows = [
-        (Cell(entry["flag"]), number(entry["worst"]), Cell(str(len(entry["runs"])), len(entry["runs"])),
-         Cell(_some(entry["runs"])))
-        for entry in report["flags"]
+        (Cell(entry.flag), number(entry.worst), Cell(str(len(entry.runs)), len(entry.runs)),
+         Cell(_some(entry.runs)))
+        for entry in report.flags
     ]  # fmt: skip
-    rows += [(Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry["why"])) for entry in report["left_out"]]
+    rows += [(Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry.why)) for entry in report.left_out]
     note = (
         "“over_…” says that the exciter would have to give more than it can (used over limit in the second column); it "
         "fails nothing here. Peak and buckling go by the largest force: with fewer rows per layer than lie side by "
@@ -253,12 +247,12 @@ def instruments(report: Report) -> Table:
     """The channel table, certified values."""
     rows = tuple(
         (
-            Cell(row["channel"]), Cell(row["model"]), Cell(f"{1e3 * row['sensitivity']:.5g} mV per {row['unit']}"),
-            Cell("DC" if row["time_constant"] is None else f"{row['time_constant']:g} s"),
-            _plain(100 * row["calibration_U"]), _plain(100 * row["gain_tolerance"]),
-            Cell(f"{row['noise_rms']:.2g} {row['unit']}"),
+            Cell(row.channel), Cell(row.model), Cell(f"{1e3 * row.sensitivity:.5g} mV per {row.unit}"),
+            Cell("DC" if row.time_constant is None else f"{row.time_constant:g} s"),
+            _plain(100 * row.calibration_U), _plain(100 * row.gain_tolerance),
+            Cell(f"{row.noise_rms:.2g} {row.unit}"),
         )
-        for row in report["instruments"]
+        for row in report.instruments
     )  # fmt: skip
     head = ("channel", "model", "sensitivity", "time constant", "U (k = 2), %", "gain tolerance, %", "noise rms")
     return Table("Instruments", "Certified values; corrections use these and nothing else.", head, rows)
@@ -268,10 +262,10 @@ def values(report: Report) -> Table:
     """Assumed and other values of the rig file, with their status."""
     rows = tuple(
         (
-            Cell(str(row.get("path", ""))), _plain(row.get("value")), Cell(str(row.get("unit") or "")),
-            Cell(str(row.get("status", ""))), Cell(str(row.get("source") or "")),
+            Cell(row.path), _plain(row.value), Cell(row.unit or ""),
+            Cell(row.status or ""), Cell(row.source or ""),
         )
-        for row in report["assumed"]
+        for row in report.assumed
     )  # fmt: skip
     note = "Every value that the rig file holds, with where it comes from; “assumed” ones are ours and can be changed."
     return Table("Values behind the rig", note, ("value of", "value", "unit", "status", "source"), rows)
@@ -280,7 +274,7 @@ def values(report: Report) -> Table:
 def _plain(value: object) -> Cell:
     if isinstance(value, float | int):
         return Cell(f"{value:.6g}", float(value))
-    return Cell("" if value is None else str(value))
+    return Cell("" if value is None else str(list(value) if isinstance(value, tuple) else value))
 
 
 def _some(names: Sequence[str], most: int = 8) -> str:

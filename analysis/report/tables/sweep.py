@@ -1,23 +1,21 @@
 """Sweeps in a table: where force and acceleration are largest and least."""
 
-from typing import Any
-
 from analysis.energy.sweep import summary
 from analysis.report.tables.cells import Cell, Table, number
+from analysis.results.report import Report
 
 __all__ = ["sweeps"]
 
 
-def sweeps(report: dict[str, Any]) -> Table:
+def sweeps(report: Report) -> Table:
     """Largest and least acceleration of each sweep, and least force, with their frequencies."""
     rows = tuple(
         (
-            Cell(row["condition"]), Cell(row["run"]), Cell(row["bed"]), number(row["rate"]),
-            number(row["acceleration"]), number(row["at_acceleration"]), number(row["acceleration_least"]),
-            number(row["at_acceleration_least"]), number(row["force_least"]), number(row["at_force_least"]),
-            number(row["shift_acceleration"], 2, 100), number(row["shift_force"], 2, 100),
+            Cell(one.condition), Cell(one.run), Cell(one.bed), number(one.rate),
+            *map(number, (*found.acceleration, *found.acceleration_least, *found.force_least)),
+            number(one.shift_acceleration, 2, 100), number(one.shift_force, 2, 100),
         )
-        for row in summary(report.get("sweeps") or [])
+        for one, found in ((one, summary(one)) for one in report.sweeps)
     )  # fmt: skip
     return Table(
         "Largest and least of each sweep",

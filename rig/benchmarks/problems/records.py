@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from analysis import read_session
+from analysis import Report, read_session
 from daq.chain.acquisition import Emulated
 from daq.chain.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, ideal_transducer
 from daq.chain.fir import DELAY, STAGE1, STAGE2
@@ -219,8 +219,8 @@ def _reading(problem: str, campaign: Campaign, rounds: int) -> list[Row]:
     return list(rows.values())
 
 
-def _energies(report: dict[str, Any]) -> dict[str, float]:
-    return {one["run"]: one["W_exp"] for condition in report["conditions"] for one in condition["runs"]}
+def _energies(report: Report) -> dict[str, float]:
+    return {one.run: one.W_exp for condition in report.conditions for one in condition.runs}
 
 
 def _analysed(path: Path) -> dict[str, float]:

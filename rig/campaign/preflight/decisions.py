@@ -17,7 +17,10 @@ import numpy as np
 from analysis.comparison.claims import judge
 from analysis.energy.energies import Energy
 from analysis.results.condition import Result, evaluate
+from analysis.results.judged_rows import ClaimRow
 from analysis.results.run import RunEnergy
+from analysis.session.prediction import PredictionEntry
+from analysis.session.protocol import ExpectedClaim
 from analysis.session.setting import Setting
 from analysis.uncertainty.budget import noise_of
 from daq.chain.channel import ChannelInfo
@@ -53,7 +56,7 @@ class Expected:
     W: float
     mass: float
     level: float
-    entry: Mapping[str, Any] | None
+    entry: PredictionEntry | None
     samples: int
     refills: Sequence[float]
 
@@ -76,7 +79,7 @@ class Decision:
 
 
 def decisions(
-    claims: Sequence[Mapping[str, Any]], expected: Sequence[Expected], channels: Sequence[ChannelInfo], repeats: int
+    claims: Sequence[ExpectedClaim], expected: Sequence[Expected], channels: Sequence[ChannelInfo], repeats: int
 ) -> list[Decision]:
     """Return the forecast of each claim (entries of `rig.campaign.claim_cases.cases`)."""
     if not claims:
@@ -84,16 +87,16 @@ def decisions(
     by_name = {channel.name: channel for channel in channels}
 
     @cache
-    def entries_of(n: int) -> list[list[dict[str, Any]]]:
+    def entries_of(n: int) -> list[tuple[ClaimRow, ...]]:
         """The report's entries of all claims, of each drawn session of n repeats."""
         streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
         return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
 
-    return [_decision(place, claim["claim"], entries_of, repeats) for place, claim in enumerate(claims)]
+    return [_decision(place, claim.claim, entries_of, repeats) for place, claim in enumerate(claims)]
 
 
 def _decision(
-    place: int, claim: str, entries_of: Callable[[int], list[list[dict[str, Any]]]], repeats: int
+    place: int, claim: str, entries_of: Callable[[int], list[tuple[ClaimRow, ...]]], repeats: int
 ) -> Decision:
     """Return the forecast of the claim at a place; `entries_of` returns the entries of all claims by
     session.
@@ -101,7 +104,7 @@ def _decision(
 
     def leading(n: int) -> tuple[str, float, float]:
         """The most frequent verdict with its share of the sessions, and the share that are decided."""
-        found = [session[place]["verdict"] for session in entries_of(n)]
+        found = [session[place].verdict for session in entries_of(n)]
         verdict, count = Counter(found).most_common(1)[0]
         return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)
 
@@ -111,8 +114,8 @@ def _decision(
         needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
     verdict, share, _ = leading(repeats)
     shown = repeats if needed is not None and needed <= repeats else needed or MOST
-    row = next(session[place] for session in entries_of(shown) if session[place]["verdict"] == leading(shown)[0])
-    return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row["found"], row["why"])
+    row = next(session[place] for session in entries_of(shown) if session[place].verdict == leading(shown)[0])
+    return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row.found, row.why)
 
 
 def _results(
@@ -141,5 +144,5 @@ def _energies(one: Expected, n: int, rng: np.random.Generator) -> list[float]:
     """Return W of n repeats, J per cycle: refills drawn from the predicted ones."""
     if n == 1 or not one.refills or one.entry is None:
         return [one.W] * n
-    W_T = float(np.median(one.entry["W_T"]))
+    W_T = float(np.median(one.entry.W_T))
     return [float(one.W + W_T * (ratio - 1.0)) for ratio in rng.choice(one.refills, n)]

@@ -5,16 +5,18 @@ of its repeats.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from analysis.session.prediction import PredictionEntry
+from analysis.session.protocol import ExpectedClaim
 from analysis.uncertainty.budget import angle_uncertainty, certificate_lines, combine, noise_at, resolution_lines
 from daq.chain.channel import ChannelInfo
 from daq.chain.fir import OVERSAMPLING
 from daq.chain.frontend import FILTER_DELAY
+from daq.documents.classes import built
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases
 from rig.campaign.preflight.decisions import Decision, Expected, decisions
@@ -128,7 +130,8 @@ def decided(campaign: Campaign, outlooks: Sequence[Outlook]) -> list[Decision]:
     """Return the forecast of each claim of the protocol."""
     expected = [one.expected for one in outlooks if one.expected is not None]
     channels = campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
-    return decisions(cases(campaign.protocol, campaign.conditions), expected, channels, campaign.protocol.repeats.n)
+    claims = [built(ExpectedClaim, claim) for claim in cases(campaign.protocol, campaign.conditions)]
+    return decisions(claims, expected, channels, campaign.protocol.repeats.n)
 
 
 def disk(campaign: Campaign) -> int:
@@ -151,10 +154,10 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
     U, difference, needed = _plan(campaign, condition, channels, dry, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
-    entry: dict[str, Any] | None = None
+    entry: PredictionEntry | None = None
     if has_level(condition):
         document = prediction_document({condition.id: (point, ahead.table)}, {condition.id: refills})
-        entry = document["conditions"][condition.id]
+        entry = built(PredictionEntry, document["conditions"][condition.id])
     expected = Expected(
         condition_facts(condition, rig, point, rate), dry.lost, dry.mass, dry.level, entry, samples, refills
     )

@@ -20,7 +20,7 @@ from daq.session.record import Record
 from daq.strange_text import json_text
 from daq.whole_files import write_whole
 from rig.cli.commands.sessions import session_file
-from rig.cli.terminal.output import PASSES, print_json, print_result, say
+from rig.cli.terminal.output import print_json, print_result, say
 from rig.cli.terminal.progress import progress
 from rig.cli.terminal.watch import open_watched
 from rig.errors import InputError, Mistake, nearest
@@ -88,10 +88,10 @@ def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool,
         report = read_session(record)
     write_report(report, path.parent)
     if as_json:
-        print_json(report)
+        print_json(report.document())
     else:
         print_result(report, path.parent)
-    return 0 if report["verdict"] == PASSES else 1
+    return 0 if report.passes else 1
 
 
 def _chosen(record: Record, run: str | None) -> list[RunInfo]:

@@ -9,7 +9,7 @@ from rig.campaign.replayer import replay
 from rig.cli.commands.run import check_folder
 from rig.cli.commands.sessions import session_file
 from rig.cli.terminal.live import Line, live_view, timing
-from rig.cli.terminal.output import PASSES, print_json, print_result
+from rig.cli.terminal.output import print_json, print_result
 from rig.cli.terminal.tables import print_report, terminal
 from rig.cli.terminal.watch import PATIENCE, open_watched
 from rig.errors import InputError, Mistake
@@ -29,12 +29,12 @@ def replay_session(session: Path, out: Path | None, speed: float | None, force: 
     if timing(view):
         terminal(stderr=True, quiet=as_json).print(timing(view))
     if as_json:
-        print_json(report)
+        print_json(report.document())
     elif out is None:
         print_report(terminal(), report)
     else:
         print_result(report, out)
-    return 0 if report["verdict"] == PASSES else 1
+    return 0 if report.passes else 1
 
 
 def lines_of_record(record: Record) -> dict[str, Line]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from rig.campaign.campaign import Campaign
 from rig.campaign.runner import run as run_campaign
 from rig.cli.terminal.live import lines_of, live_view, timing
-from rig.cli.terminal.output import PASSES, cores, print_json, print_result
+from rig.cli.terminal.output import cores, print_json, print_result
 from rig.cli.terminal.tables import terminal
 from rig.errors import InputError, Mistake
 
@@ -27,10 +27,10 @@ def run_protocol(
     if timing(view):
         console.print(timing(view))
     if as_json:
-        print_json(report)
+        print_json(report.document())
     else:
         print_result(report, out)
-    return 0 if report["verdict"] == PASSES else 1
+    return 0 if report.passes else 1
 
 
 def _refuse_beyond(campaign: Campaign, workers: int) -> None:

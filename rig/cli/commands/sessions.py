@@ -4,16 +4,19 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from analysis.text import counted
 from daq.chain.block import flag_names
 from daq.session.record import Record
 from daq.whole_files import UNFINISHED, unfinished
-from rig.cli.terminal.output import PASSES, cores, print_json, print_result, say
+from rig.cli.terminal.output import cores, print_json, print_result, say
 from rig.cli.terminal.tables import MOST_ROWS, number, scaled, table, terminal
 from rig.cli.terminal.watch import open_watched
 from rig.errors import InputError, Mistake
+
+if TYPE_CHECKING:
+    from analysis.results.report import Report
 
 MIXED = f"stopped while it was written, its files do not belong together ({UNFINISHED}); rig report writes it anew"
 
@@ -38,11 +41,12 @@ def report_sessions(
         if not as_json:
             print_result(reports[-1], folder)
     if as_json:
-        print_json(reports[0] if len(reports) == 1 else reports)
-    return 0 if all(report["verdict"] == PASSES for report in reports) else 1
+        documents = [report.document() for report in reports]
+        print_json(documents[0] if len(documents) == 1 else documents)
+    return 0 if all(report.passes for report in reports) else 1
 
 
-def _read(record: Record, tolerate_gaps: bool) -> dict[str, Any]:
+def _read(record: Record, tolerate_gaps: bool) -> "Report":
     from analysis import read_session
     from analysis.processes import energies_by_processes
 
@@ -53,7 +57,6 @@ def compare_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
 ) -> int:
     """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
-    from analysis.comparison.offset_terms import actual_of
     from analysis.comparison.two_sessions import compare
     from analysis.report.two_sessions import comparison_sentences, write_comparison
 
@@ -61,7 +64,7 @@ def compare_sessions(
     for session in sessions:
         with open_watched(session_file(session)) as record:
             reports.append(_read(record, tolerate_gaps))
-            tools.append(actual_of(record.truth))
+            tools.append(_instruments(record))
     same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
     first, second = (session_file(session).parent for session in sessions)
     names = first.resolve().name, second.resolve().name
@@ -71,12 +74,22 @@ def compare_sessions(
     folder = out or second / f"against_{first.resolve().name}"
     write_comparison(found, folder)
     if as_json:
-        print_json(found)
+        print_json(found.document())
     else:
         for sentence in comparison_sentences(found):
             say(sentence)
         say(f"comparison: {folder / 'comparison.html'}")
-    return 0 if found["pairs"] else 1
+    return 0 if found.pairs else 1
+
+
+def _instruments(record: Record) -> object:
+    """The true state of all instruments, as the session's truth has it; None where it does not say."""
+    from analysis.comparison.offset_terms import actual_of
+
+    truth = record.truth
+    if truth is None or actual_of(truth) is None:
+        return None
+    return truth.document("instruments"), truth.document("clock")
 
 
 def validate_session(session: Path, as_json: bool) -> int:
@@ -128,14 +141,16 @@ def session_info(session: Path, as_json: bool) -> None:
 
 
 def _facts(record: Record) -> dict[str, Any]:
-    from analysis.session.documents import checked
+    from analysis.session.documents import checked, document_as
+    from analysis.session.protocol import SessionProtocol
     from analysis.session.setting import Setting
 
+    protocol = document_as(SessionProtocol, "protocol", record.document("protocol"))
     runs: dict[str, list[Any]] = {}
     for run in record.runs:
         runs.setdefault(run.condition, []).append(run)
     return {
-        "protocol": (checked("protocol", record.document("protocol")) or {}).get("name", ""),
+        "protocol": protocol.name if protocol is not None else "",
         "schema": record.schema,
         "synthetic": record.synthetic,
         "complete": record.complete,

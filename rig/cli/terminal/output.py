@@ -2,15 +2,15 @@
 
 import os
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from daq.strange_text import json_text, visible
 from rig.cli.terminal.tables import print_report, terminal
 
-PASSES = "passes"
+if TYPE_CHECKING:
+    from analysis.results.report import Report
 
 
 def print_json(value: Any) -> None:
@@ -30,7 +30,7 @@ def say_compiling() -> None:
         print("compiling for this processor, once: half a minute to a minute", file=sys.stderr, flush=True)
 
 
-def print_result(report: Mapping[str, Any], folder: Path) -> None:
+def print_result(report: "Report", folder: Path) -> None:
     """The verdict table of a report, and where its page lies."""
     console = terminal()
     print_report(console, report)

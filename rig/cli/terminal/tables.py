@@ -1,14 +1,17 @@
 """Plain tables and numbers for the terminal; readable at 80 columns and without colour, never cut in a pipe."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from daq.strange_text import visible
+
+if TYPE_CHECKING:
+    from analysis.results.report import Report
 
 PIPE_WIDTH = 200
 """Columns where nobody's window sets them: in a pipe or a log nothing is cut or wrapped."""
@@ -85,7 +88,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], lef
     return found
 
 
-def print_report(console: Console, report: Mapping[str, Any]) -> None:
+def print_report(console: Console, report: "Report") -> None:
     """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement and the checks."""
     from analysis.report import wording
     from analysis.report.deliberate_errors import mistake_sentences
@@ -94,31 +97,31 @@ def print_report(console: Console, report: Mapping[str, Any]) -> None:
 
     rows = (
         (
-            c["id"], c["material"], scaled(c["diameter"], 1e3), c["bed"], scaled(c["fill"], 100),
-            number(c["acceleration"]), millijoules(c["W_exp"]), millijoules(c["U_W_exp"], 2), millijoules(c["W_T"]),
-            percent(c["offset"]), number(c["E_n_chain"], 2),
+            c.id, c.material, scaled(c.diameter, 1e3), c.bed, scaled(c.fill, 100),
+            number(c.acceleration), millijoules(c.W_exp), millijoules(c.U_W_exp, 2), millijoules(c.W_T),
+            percent(c.offset), number(c.E_n_chain, 2),
         )
-        for c in report["conditions"][:MOST_ROWS]
+        for c in report.conditions[:MOST_ROWS]
     )  # fmt: skip
     columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n ch.")
     console.print(
         table("Energies in mJ per cycle, fill in %, d in mm, a in m/s2", columns, rows, ("id", "grains", "bed"))
     )
-    more = len(report["conditions"]) - MOST_ROWS
+    more = len(report.conditions) - MOST_ROWS
     if more > 0:
         console.print(f"... and {counted(more, 'condition')} more, in report.csv and on the page")
-    for claim in report["claims"]:
-        console.print(f"claim, {claim['verdict']}: {claim['claim'].rstrip('.')} ({claim['why']})")
+    for claim in report.claims:
+        console.print(f"claim, {claim.verdict}: {claim.claim.rstrip('.')} ({claim.why})")
     console.print()
-    ideal = " (ideal waveform assumed in servo drive)" if report["waveform"] == "ideal" else ""
-    tests = "no energy" if wording.only_sweeps(report) else report["tests"]
-    console.print(f"tests: {tests}; waveform: {report['waveform']}{ideal}")
+    ideal = " (ideal waveform assumed in servo drive)" if report.waveform == "ideal" else ""
+    tests = "no energy" if wording.only_sweeps(report) else report.tests
+    console.print(f"tests: {tests}; waveform: {report.waveform}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print()
         console.print(sentence, soft_wrap=True)
-    for flag in report["flags"]:
-        worst = "" if flag["worst"] is None else f", at worst {flag['worst']:.2f} of the limit"
-        console.print(f"warning: {flag['flag']} in {counted(len(flag['runs']), 'run')}{worst}")
+    for flag in report.flags:
+        worst = "" if flag.worst is None else f", at worst {flag.worst:.2f} of the limit"
+        console.print(f"warning: {flag.flag} in {counted(len(flag.runs), 'run')}{worst}")
     console.print(f"verdict: {wording.verdict_line(report).lower()}")
     *told, _flags = wording.found(report)
     for sentence in (*wording.failures(report), wording.headline(report), *told, *wording.reasons(report)):

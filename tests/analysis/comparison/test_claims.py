@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from claim_data import entry, result
+from claim_data import entry, judged, result
 from scipy import stats
 
 from analysis.comparison.claim_tests import TESTS, Level, Question
-from analysis.comparison.claims import judge
 
 S, N = 0.05, 4  # scatter of ln W between runs, runs of a condition
 
@@ -168,10 +167,10 @@ def test_a_mean_over_another_field_takes_the_same_conditions_of_each_level():
     claim = entry("optimum", ["b"])
     claim["cases"] = [{"at": {}, "levels": [{"value": v, "conditions": [f"{k}{v}" for k in range(8)]} for v in "ab"]}]
     claim["over"] = "drive.acceleration"
-    (found,) = judge([claim], results)
-    assert (found["verdict"], found["found"]) == ("holds", "b")  # 8 % against 5 % / sqrt(16): 6 standard deviations
+    (found,) = judged([claim], results)
+    assert (found.verdict, found.found) == ("holds", "b")  # 8 % against 5 % / sqrt(16): 6 standard deviations
     del results["0a"]
-    assert judge([claim], results)[0]["verdict"] == "undecided"
+    assert judged([claim], results)[0].verdict == "undecided"
 
 
 def table(rng, cases, best):
@@ -185,27 +184,27 @@ def table(rng, cases, best):
 def test_a_claim_over_several_cases_holds_where_it_holds_in_each():
     rng = np.random.default_rng(8)
     claim = entry("optimum", ["b"], cases=3, levels="abc")
-    (same,) = judge([claim], table(rng, 3, "bbb"))
-    assert (same["verdict"], same["found"]) == ("holds", "b")
-    assert [case["at"] for case in same["cases"]] == [
+    (same,) = judged([claim], table(rng, 3, "bbb"))
+    assert (same.verdict, same.found) == ("holds", "b")
+    assert [case.at for case in same.cases] == [
         "acceleration 1 m/s^2",
         "acceleration 2 m/s^2",
         "acceleration 3 m/s^2",
     ]
-    (other,) = judge([claim], table(rng, 3, "bbc"))
-    assert other["verdict"] == "does not hold"
-    assert other["found"].endswith("acceleration 3 m/s^2: c")
-    assert other["why"] == "3 cases: does not hold in 1, holds in 2"
-    assert "W_T is largest at b" in other["cases"][0]["why"]
+    (other,) = judged([claim], table(rng, 3, "bbc"))
+    assert other.verdict == "does not hold"
+    assert other.found.endswith("acceleration 3 m/s^2: c")
+    assert other.why == "3 cases: does not hold in 1, holds in 2"
+    assert "W_T is largest at b" in other.cases[0].why
 
 
 def test_an_imposed_claim_is_called_so_unless_it_fails():
     rng = np.random.default_rng(9)
     claim = entry("optimum", ["b"], levels="abc", imposed="it was put in")
-    (good,) = judge([claim], table(rng, 1, "b"))
-    assert good["verdict"] == "imposed"
-    assert good["why"].startswith("it was put in; ")
-    assert judge([claim], table(rng, 1, "a"))[0]["verdict"] == "does not hold"
+    (good,) = judged([claim], table(rng, 1, "b"))
+    assert good.verdict == "imposed"
+    assert good.why.startswith("it was put in; ")
+    assert judged([claim], table(rng, 1, "a"))[0].verdict == "does not hold"
 
 
 def test_what_was_not_measured_is_undecided():
@@ -215,18 +214,18 @@ def test_what_was_not_measured_is_undecided():
     twice = entry("optimum", ["b"], levels="abc")
     twice["cases"][0]["levels"][0]["conditions"] = ["1a", "1b"]
     once = {name: result([1.0]) for name in results}
-    assert [found["verdict"] for found in judge([nothing, twice], results)] == ["undecided", "undecided"]
+    assert [found.verdict for found in judged([nothing, twice], results)] == ["undecided", "undecided"]
     for kind, values, limits in (
         ("optimum", ["b"], []), ("order", ["a", "b"], []), ("nonlinear", [], [0.1]), ("offset_within", [], [0, 1.0]),
     ):  # fmt: skip
         claim = entry(kind, values, limits, levels="abc")
-        assert judge([claim], once)[0]["verdict"] == "undecided", kind
-        assert judge([claim], {})[0]["verdict"] == "undecided", kind
+        assert judged([claim], once)[0].verdict == "undecided", kind
+        assert judged([claim], {})[0].verdict == "undecided", kind
     missing = entry("nearly_zero", ["a", "x"], [0.02])
-    assert judge([missing], results)[0]["verdict"] == "undecided"
+    assert judged([missing], results)[0].verdict == "undecided"
 
 
 def test_every_kind_says_what_it_tests():
-    texts = {kind: judge([entry(kind, ["a", "b"], [0.02, 0.5])], {})[0]["test"] for kind in TESTS}
+    texts = {kind: judged([entry(kind, ["a", "b"], [0.02, 0.5])], {})[0].test for kind in TESTS}
     assert texts["rise"] == "W rises with fill from a to b"
     assert len(set(texts.values())) == len(TESTS)

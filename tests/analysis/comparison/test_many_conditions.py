@@ -14,7 +14,9 @@ from analytic_record import NOMINAL, Bench, condition, dashpot_energy, predictio
 from claim_data import entry
 
 from analysis import RunEnergy, agreement, run_energy, write_report
+from analysis.session.protocol import ExpectedClaim
 from analysis.uncertainty.multiple_comparisons import beaten
+from daq.documents.classes import built
 
 BED, REPEATS = 300.0, 2
 
@@ -50,7 +52,7 @@ def report_of(count: int, folder: Path) -> None:
     for kind in ("optimum", "order", "rise", "nonlinear"):
         claim = entry(kind, values=("c00000", "c00001"), limits=(0.1,) if kind == "nonlinear" else ())
         levels = [{"value": name, "conditions": [name]} for name in conditions]
-        claims.append({**claim, "cases": [{"at": {}, "levels": levels}]})
+        claims.append(built(ExpectedClaim, {**claim, "cases": [{"at": {}, "levels": levels}]}))
     write_report(agreement(runs, conditions, prediction, channels, synthetic=True, expect=claims), folder)
 
 

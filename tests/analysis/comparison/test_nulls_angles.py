@@ -26,26 +26,26 @@ def box_loss(_entry, _repeat):
 
 
 def nulls(conditions, bench, loss=box_loss, seed=5):
-    return read_session(session(conditions, loss, bench, np.random.default_rng(seed)))["nulls"]
+    return read_session(session(conditions, loss, bench, np.random.default_rng(seed))).nulls
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-3, -4e-3])
 def test_an_injected_angle_is_found(angle):
     """The acceleration leads by `angle`: apparent loss (pi/w^2) M a^2 sin(angle)."""
     (found,) = nulls(table(bed="locked"), Bench(turn=angle, level_error=0.003))
-    assert found["null"] == "locked"
-    assert found["dphi"] == pytest.approx(math.sin(angle), abs=1e-6)
-    assert found["verdict"] == ("holds" if angle == 0 else "does not hold")
-    assert found["U_dphi"] < 2e-5
+    assert found.null == "locked"
+    assert found.dphi == pytest.approx(math.sin(angle), abs=1e-6)
+    assert found.verdict == ("holds" if angle == 0 else "does not hold")
+    assert found.U_dphi < 2e-5
 
 
 def test_an_angle_inside_the_certificate_holds():
     """A pole one tenth off its certified value turns 5e-4 rad: within the U of a 10 % spread, 1.96 times that."""
     off = math.atan(1 / (OMEGA * 1.6 * 1.1)) - math.atan(1 / (OMEGA * 1.6))
     (found,) = nulls(table(bed="locked"), Bench(channels=dict(NOMINAL), turn=off, noise=(0.02, 5e-4)))
-    assert found["dphi"] == pytest.approx(off, abs=3e-5)  # noise: see noise_of
-    assert found["verdict"] == "holds"
-    assert found["U_dphi"] == pytest.approx(1.96 * 0.1 / (OMEGA * 1.6), rel=0.02)
+    assert found.dphi == pytest.approx(off, abs=3e-5)  # noise: see noise_of
+    assert found.verdict == "holds"
+    assert found.U_dphi == pytest.approx(1.96 * 0.1 / (OMEGA * 1.6), rel=0.02)
 
 
 def test_rubbing_under_the_bed_is_not_an_angle():
@@ -58,38 +58,38 @@ def test_rubbing_under_the_bed_is_not_an_angle():
         return box_loss(entry, repeat) + rubbing / (math.pi * OMEGA * x**2)
 
     (found,) = nulls(table(bed="locked"), Bench(), loss)
-    assert abs(found["dphi"]) < 1e-6
-    assert found["verdict"] == "holds"
+    assert abs(found.dphi) < 1e-6
+    assert found.verdict == "holds"
 
 
 def test_a_bed_packed_too_full_to_flow_is_a_null_too():
     (found,) = nulls(table(bed="layers", carried=True, fill=1.0), Bench())
-    assert (found["null"], found["verdict"], found["levels"]) == ("carried", "holds", 4)
+    assert (found.null, found.verdict, found.levels) == ("carried", "holds", 4)
 
 
 def test_an_empty_cavity_of_any_bed_serves_as_the_empty_box():
     conditions = table(bed="locked")
     conditions[:4] = [{**entry, "bed": "layers", "fill": 0.0} for entry in conditions[:4]]
     (found,) = nulls(conditions, Bench())
-    assert found["verdict"] == "holds"
+    assert found.verdict == "holds"
 
 
 @pytest.mark.parametrize("levels", [(5.0,), (3.0, 5.0)])
 def test_two_levels_decide_nothing(levels):
     (found,) = nulls(table(levels, bed="locked"), Bench(turn=0.01))
-    assert (found["verdict"], found["dphi"]) == ("undecided", None)
-    assert "at least 3" in found["why"]
+    assert (found.verdict, found.dphi) == ("undecided", None)
+    assert "at least 3" in found.why
 
 
 def test_no_null_without_a_bed_that_cannot_slide():
-    assert nulls(table(bed="layers"), Bench()) == []
+    assert nulls(table(bed="layers"), Bench()) == ()
 
 
 def test_single_runs_decide_with_few_degrees_of_freedom():
     """Three levels once each: six numbers, five unknowns of the law."""
     (found,) = nulls(table(LEVELS[:3], bed="locked"), Bench(repeats=1, noise=(0.5, 0.01)))
-    assert found["nu"] < 2
-    assert found["k"] > 4
+    assert found.nu < 2
+    assert found.k > 4
 
 
 def energy(mass: float, a: float, W: float) -> SimpleNamespace:

@@ -22,7 +22,8 @@ from analytic_record import (
 
 from analysis import read_session
 from analysis.comparison.offset_terms import LARGEST_REMAINDER
-from analysis.session.ledger_columns import EXACT, TERMS
+from analysis.results.condition_row import TERMS, OffsetTerms
+from analysis.session.ledger_columns import EXACT
 
 BED, BOX, MASS = 300.0, 20.0, 38.1
 LEVELS = (2.0, 3.0, 4.0)
@@ -71,13 +72,13 @@ def made(
     return dataclasses.replace(record, truth=KnownTruth(ledgers, documents))
 
 
-def terms_of(record: AnalyticRecord) -> list[dict[str, float]]:
-    rows = read_session(record)["conditions"]
-    assert [row["offset_terms"] is None for row in rows] == [False] * len(rows)
+def terms_of(record: AnalyticRecord) -> list[OffsetTerms]:
+    rows = read_session(record).conditions
+    assert [row.offset_terms is None for row in rows] == [False] * len(rows)
     for row in rows:
-        assert tuple(row["offset_terms"]) == TERMS
-        assert math.fsum(row["offset_terms"].values()) == pytest.approx(row["offset"], abs=1e-12)
-    return [row["offset_terms"] for row in rows]
+        assert [name for name, _ in row.offset_terms.named()] == list(TERMS)
+        assert math.fsum(value for _, value in row.offset_terms.named()) == pytest.approx(row.offset, abs=1e-12)
+    return [row.offset_terms for row in rows]
 
 
 # the loop's velocity is integrated numerically: relative error of W far below 1e-6 at 512 samples per cycle
@@ -86,8 +87,8 @@ SMALL = 1e-6
 
 def test_losses_of_the_box_are_the_whole_offset_where_all_else_is_ideal() -> None:
     for terms in terms_of(made()):
-        assert terms["noise"] == pytest.approx(BOX / BED, rel=1e-9)
-        assert all(abs(terms[name]) < SMALL for name in TERMS if name != "noise")
+        assert terms.noise == pytest.approx(BOX / BED, rel=1e-9)
+        assert all(abs(value) < SMALL for name, value in terms.named() if name != "noise")
 
 
 @pytest.mark.parametrize("gains", [(1.01, 1.0), (1.0, 0.99), (0.995, 1.02)])
@@ -99,9 +100,9 @@ def test_scale_enters_the_measured_energy_once_and_the_predicted_one_by_its_expo
     measured = s_a**EXPONENT
     expected = ((s_F * s_a - 1.0) * (1.0 + BOX / BED) - (measured - 1.0)) / measured
     for terms in terms_of(made(gains)):
-        assert terms["scale"] == pytest.approx(expected, abs=SMALL)
-        assert abs(terms["remainder"]) < SMALL
-        assert terms["phase"] == 0.0
+        assert terms.scale == pytest.approx(expected, abs=SMALL)
+        assert abs(terms.remainder) < SMALL
+        assert terms.phase == 0.0
 
 
 @pytest.mark.parametrize("pole", [0.7, 1.3])
@@ -111,35 +112,35 @@ def test_phase_is_a_rotation_by_the_angle_that_correction_leaves(pole: float) ->
     for terms, a in zip(terms_of(made(pole=pole)), LEVELS, strict=True):
         reactive = math.pi / OMEGA**2 * (BOX_MASS + GAUGE_MASS + MASS) * a**2
         # W (1 - cos) = 1e-6 and the pole's change of size, 1e-5, beside it
-        assert terms["phase"] == pytest.approx(reactive * math.sin(angle) / dashpot_energy(BED, a), rel=1e-4)
-        assert abs(terms["remainder"]) < 1e-5
+        assert terms.phase == pytest.approx(reactive * math.sin(angle) / dashpot_energy(BED, a), rel=1e-4)
+        assert abs(terms.remainder) < 1e-5
 
 
 def test_refill_and_waveform_share_what_the_bed_takes_beyond_the_prediction() -> None:
     for terms in terms_of(made(poured=1.05)):
-        assert terms["refill"] == pytest.approx(0.05, abs=SMALL)
-        assert terms["waveform"] == 0.0
+        assert terms.refill == pytest.approx(0.05, abs=SMALL)
+        assert terms.waveform == 0.0
     for terms in terms_of(made(poured=1.05, exact=1.04)):
-        assert terms["refill"] == pytest.approx(0.04, abs=SMALL)
-        assert terms["waveform"] == pytest.approx(0.01, abs=SMALL)
+        assert terms.refill == pytest.approx(0.04, abs=SMALL)
+        assert terms.waveform == pytest.approx(0.01, abs=SMALL)
 
 
 def test_all_causes_together_leave_no_remainder() -> None:
     for terms in terms_of(made((1.004, 0.993), 1.2, 0.97, 0.96)):
-        assert abs(terms["remainder"]) < LARGEST_REMAINDER / 100
+        assert abs(terms.remainder) < LARGEST_REMAINDER / 100
 
 
 def test_terms_need_truth_that_names_the_instruments_and_an_offset() -> None:
     record = made()
     for other in (made(known=False), dataclasses.replace(record, truth=None)):
-        assert [row["offset_terms"] for row in read_session(other)["conditions"]] == [None] * len(LEVELS)
+        assert [row.offset_terms for row in read_session(other).conditions] == [None] * len(LEVELS)
     bare = dataclasses.replace(record, documents={})
-    assert [row["offset_terms"] for row in read_session(bare)["conditions"]] == [None] * len(LEVELS)
+    assert [row.offset_terms for row in read_session(bare).conditions] == [None] * len(LEVELS)
 
 
 def test_without_truth_nothing_else_changes() -> None:
     record = made((1.004, 0.993), 1.2, 0.97)
     with_truth, without = read_session(record), read_session(dataclasses.replace(record, truth=None))
-    fed = {"offset_terms", "E_n_chain", "dKE_bed"}
-    for one, other in zip(with_truth["conditions"], without["conditions"], strict=True):
-        assert {k: v for k, v in one.items() if k not in fed} == {k: v for k, v in other.items() if k not in fed}
+    fed = dict.fromkeys(("offset_terms", "E_n_chain", "dKE_bed"))
+    for one, other in zip(with_truth.conditions, without.conditions, strict=True):
+        assert dataclasses.replace(one, **fed) == dataclasses.replace(other, **fed)

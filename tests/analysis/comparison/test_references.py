@@ -29,7 +29,7 @@ def made(beds=("empty", "locked", "dashpot"), bench=BENCH, seed=1):
 
 
 def by_name(report):
-    return {row["reference"] + ", " + row["of"]: row for row in report["references"]}
+    return {row.reference + ", " + row.of: row for row in report.references}
 
 
 def changed(record, change):
@@ -44,20 +44,20 @@ def test_known_masses_and_a_known_dashpot_are_recovered():
         "signs, all runs", "rigid mass, empty box", "rigid mass, bonded bed", f"dashpot, c = {C:g} N s/m",
         "phase, rigid, 20 Hz",
     ]  # fmt: skip
-    assert all(row["verdict"] == "holds" for row in rows.values())
-    assert rows["rigid mass, bonded bed"]["expected"] == pytest.approx(11.92 + 38.1)
+    assert all(row.verdict == "holds" for row in rows.values())
+    assert rows["rigid mass, bonded bed"].expected == pytest.approx(11.92 + 38.1)
     expected = sum(math.pi * C * a**2 / OMEGA**3 for a in LEVELS) / 3
     # the expected W is taken at the measured levels: 0.1 % scale and 0.3 %/sqrt(12) level error, squared
-    assert rows[f"dashpot, c = {C:g} N s/m"]["expected"] == pytest.approx(expected, rel=0.01)
-    assert report["verdict"] == "passes"
+    assert rows[f"dashpot, c = {C:g} N s/m"].expected == pytest.approx(expected, rel=0.01)
+    assert report.verdict == "passes"
 
 
 def test_a_scale_beyond_its_certificate_is_found():
     """5 % in the force against U of about 1.7 %; it is no angle."""
     report = read_session(made(bench=dataclasses.replace(BENCH, gains=(1.05, 1.0))))
-    found = {row["reference"]: row["verdict"] for row in report["references"] if row["unit"]}
+    found = {row.reference: row.verdict for row in report.references if row.unit}
     assert found == {"rigid mass": "does not hold", "dashpot": "does not hold", "phase": "holds"}
-    assert report["verdict"] == "fails"
+    assert report.verdict == "fails"
 
 
 @pytest.mark.parametrize("turn", [0.0, 5e-3, -5e-3])
@@ -76,14 +76,14 @@ def test_the_ledger_tells_the_angle_of_a_light_box(turn):
     for repeats in (1, 4):
         bench = dataclasses.replace(BENCH, turn=turn, repeats=repeats)
         report = read_session(session(table, lambda *_: 100.0, bench, np.random.default_rng(1)))
-        (phase,) = (row for row in report["references"] if row["reference"] == "phase")
+        (phase,) = (row for row in report.references if row.reference == "phase")
         # W = g (E cos d - R sin d), the acceleration's lead d
-        assert phase["value"] == pytest.approx(turn, abs=phase["U"])
-        assert 0.9e-3 * 1.96 * 0.5 < phase["U"] < 3e-3
-        assert all(abs(row["E_n_chain"]) < 1 for row in report["conditions"])
-        assert report["verdict"] == ("fails" if turn else "passes")
-    (null,) = report["nulls"]
-    assert abs(null["dphi"] - phase["value"]) < 2 * null["U_dphi"]
+        assert phase.value == pytest.approx(turn, abs=phase.U)
+        assert 0.9e-3 * 1.96 * 0.5 < phase.U < 3e-3
+        assert all(abs(row.E_n_chain) < 1 for row in report.conditions)
+        assert report.verdict == ("fails" if turn else "passes")
+    (null,) = report.nulls
+    assert abs(null.dphi - phase.value) < 2 * null.U_dphi
 
 
 def test_one_condition_or_one_loss_factor_tells_no_angle():
@@ -93,17 +93,17 @@ def test_one_condition_or_one_loss_factor_tells_no_angle():
              for a in LEVELS]  # fmt: skip
     for rows, found in ((table, 1), (table[:1], 0)):
         report = read_session(session(rows, lambda *_: 1500.0, BENCH, np.random.default_rng(1)))
-        phases = [row for row in report["references"] if row["reference"] == "phase"]
+        phases = [row for row in report.references if row.reference == "phase"]
         assert len(phases) == found
-        assert all(row["U"] > 0.01 for row in phases)  # 1.6 % of eta = 1500/(w 11.92) = 1.0
+        assert all(row.U > 0.01 for row in phases)  # 1.6 % of eta = 1500/(w 11.92) = 1.0
 
 
 def test_a_dashpot_without_an_empty_box_is_not_denied():
     """The box's own 5 N s/m of 65 cannot be told from a wrong coefficient."""
     rows = by_name(read_session(made(("dashpot",))))
     row = rows[f"dashpot, c = {C:g} N s/m"]
-    assert row["verdict"] == "undecided"
-    assert "no empty box" in row["why"]
+    assert row.verdict == "undecided"
+    assert "no empty box" in row.why
 
 
 @pytest.mark.parametrize(
@@ -119,16 +119,16 @@ def test_a_dashpot_without_an_empty_box_is_not_denied():
 def test_wrong_channels_are_named(change, words):
     """Time reversal turns the phase between force and acceleration about and nothing else."""
     report = read_session(changed(made(), change))
-    (signs,) = (row for row in report["references"] if row["reference"] == "signs")
-    assert signs["verdict"] == "does not hold"
-    assert words in signs["why"]
-    assert report["verdict"] == "fails"
-    assert any(words in reason for reason in report["reasons"])
+    (signs,) = (row for row in report.references if row.reference == "signs")
+    assert signs.verdict == "does not hold"
+    assert words in signs.why
+    assert report.verdict == "fails"
+    assert any(words in reason for reason in report.reasons)
 
 
 def test_both_signs_reversed_change_nothing():
     report = read_session(changed(made(), lambda f, a: (-f, -a)))
-    assert report["verdict"] == "passes"
+    assert report.verdict == "passes"
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])

@@ -1,13 +1,17 @@
 """Gauge and accelerometer at either end of the stinger: readings made from a known box, and the box told from them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from bare_rows import bare
 
 from analysis.energy.energies import Energy
 from analysis.energy.gauge_position import at_box
+from analysis.session.exciter import Exciter
 from rig.protocol.spec import GaugeSide
 
-EXCITER = {"stinger_stiffness": 5e6, "stinger_damping": 150.0, "parts_U": 0.1}
+EXCITER = bare(Exciter, stinger_stiffness=5e6, stinger_damping=150.0, parts_U=0.1)
 FREQUENCY, MASS, LOAD, DASHPOT = 40.0, 0.8, 30.0, 60.0
 ENDS: tuple[GaugeSide, ...] = ("box", "exciter")
 
@@ -28,7 +32,7 @@ def test_the_box_is_told_from_any_place(gauge: str, accelerometer: str) -> None:
     a = np.exp(1j * orders) * 5.0 / orders**2
     on_box = (LOAD + DASHPOT / jw) * a
     pull = on_box + (MASS * a if gauge == "box" else 0.0)
-    other = a + jw**2 * pull / (EXCITER["stinger_stiffness"] + jw * EXCITER["stinger_damping"])
+    other = a + jw**2 * pull / (EXCITER.stinger_stiffness + jw * EXCITER.stinger_damping)
     force = pull + (MASS * other if gauge == "exciter" else 0.0)
     read = energy(force, other if accelerometer == "exciter" else a)
     found = at_box(read, gauge, accelerometer, MASS, EXCITER)
@@ -44,7 +48,7 @@ def test_a_mass_behind_a_stinger_is_as_uncertain_as_its_stiffness(gauge: str, ac
     """1/M_read = 1/M - w^2/k without damping: dM = w^2 M^2 (1/k - 1/k') for a stiffness k' that is believed. At the
     box nothing hangs on it but the gauge's own mass at the other end, M_g w^2/k of the box's: 1e-3 of that change."""
     w, k = 2 * np.pi * FREQUENCY, 5e6
-    exciter = EXCITER | {"stinger_damping": 0.0}
+    exciter = replace(EXCITER, stinger_damping=0.0)
     a = np.array([5.0 + 0j])
     pull = (LOAD + MASS * (gauge == "box")) * a
     other = a - w**2 * pull / k

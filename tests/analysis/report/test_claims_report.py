@@ -33,13 +33,13 @@ def report():
 
 
 def test_claims_are_judged_from_the_record(report):
-    assert [claim["verdict"] for claim in report["claims"]] == ["holds", "does not hold", "imposed"]
-    assert report["claims"][0]["found"] == "1 < 2 < 3"
-    assert {"claim", "found", "verdict", "why"} <= set(report["claims"][0])
+    assert [claim.verdict for claim in report.claims] == ["holds", "does not hold", "imposed"]
+    assert report.claims[0].found == "1 < 2 < 3"
+    assert {"claim", "found", "verdict", "why"} <= set(report.document()["claims"][0])
 
 
 def test_a_claim_that_fails_fails_nothing(report):
-    assert report["verdict"] == "passes"
+    assert report.verdict == "passes"
 
 
 def test_every_form_shows_them_as_text(report, tmp_path):
@@ -50,4 +50,4 @@ def test_every_form_shows_them_as_text(report, tmp_path):
     (row,) = (line for line in text.splitlines() if "greatly" in line)
     assert row.replace("\\|", "").count("|") == 8
     assert "1 \\< 2 \\< 3" in row
-    assert json.loads((tmp_path / "report.json").read_text())["claims"] == report["claims"]
+    assert json.loads((tmp_path / "report.json").read_text())["claims"] == report.document()["claims"]

@@ -15,9 +15,10 @@ from page_report import demo_report
 from analysis.report.csv import csv_text
 from analysis.report.html import html_text
 from analysis.report.markdown import markdown_text
-from analysis.session.ledger_columns import TERMS
+from analysis.results.condition_row import TERMS
+from analysis.results.report import Report
 
-Report = dict[str, Any]
+Document = dict[str, Any]
 SHOWN = {
     "Conditions": ("conditions", {
         "a, m/s²": ("acceleration", None, 1, None), "W_exp ± U, mJ": ("W_exp", "U_W_exp", 1e3, 4),
@@ -111,24 +112,26 @@ def of_markdown(text: str) -> dict[str, tuple[list[str], list[list[str]]]]:
     return found
 
 
-def check(report: Report) -> None:
-    check_csv(report)
-    page, marked = html_text(report), markdown_text(report)
+def check(report: Document) -> None:
+    """What every form of a report.json shows is what it holds."""
+    typed = Report.of(report)
+    check_csv(report, csv_text(typed))
+    page, marked = html_text(typed), markdown_text(typed)
     check_tables(report, of_page(page), of_markdown(marked))
     check_sentences(report, re.sub(r"\\(.)", r"\1", marked))
 
 
-def check_csv(report: Report) -> None:
-    rows = list(csv.DictReader(io.StringIO(csv_text(report))))
+def check_csv(report: Document, text: str) -> None:
+    rows = list(csv.DictReader(io.StringIO(text)))
     assert len(rows) == len(report["conditions"])
     for row, known in zip(rows, report["conditions"], strict=True):
         terms = known["offset_terms"] or dict.fromkeys(TERMS)
         told = {**known, "runs": len(known["runs"]), **{f"offset_{name}": value for name, value in terms.items()}}
-        for name, text in row.items():
-            assert text == ("" if told[name] is None else str(told[name])), (known["id"], name)
+        for name, shown in row.items():
+            assert shown == ("" if told[name] is None else str(told[name])), (known["id"], name)
 
 
-def check_tables(report: Report, page: dict[str, Any], marked: dict[str, Any]) -> None:
+def check_tables(report: Document, page: dict[str, Any], marked: dict[str, Any]) -> None:
     for title, (head, rows) in page.items():  # both have the same tables, cell by cell
         shown = [[" ".join(text.split()) for text, _ in row] for row in rows]
         assert (head, shown) == marked[title], title
@@ -146,7 +149,7 @@ def check_tables(report: Report, page: dict[str, Any], marked: dict[str, Any]) -
                 assert sorted_by is None if number is None else float(sorted_by) == number * scale
 
 
-def check_sentences(report: Report, text: str) -> None:
+def check_sentences(report: Document, text: str) -> None:
     """The sentences of the verdict are the same in the page (test_report_pages); their numbers are the report's."""
     found, conditions = report["agreement"], report["conditions"]
     ratio = re.search(rf"W_T by ({NUMBER}) % ± ({NUMBER}) % \(k = ({NUMBER}), nu = ({NUMBER}|∞)\)", text)
@@ -176,7 +179,7 @@ def check_sentences(report: Report, text: str) -> None:
         assert int(chain[1]) / int(chain[2]) == report["chain"]["share"]
 
 
-DEMO = demo_report()
+DEMO = demo_report().document()
 SIZE = st.floats(1e-12, 1e5)
 EITHER = st.tuples(st.sampled_from([1.0, -1.0]), SIZE).map(lambda both: both[0] * both[1]) | st.just(0.0)
 ROW = st.fixed_dictionaries(
@@ -198,7 +201,7 @@ def test_the_forms_of_a_report_agree() -> None:
 
 
 @given(rows=st.lists(ROW, min_size=1, max_size=3), found=AGREEMENT, slope=SLOPE, line=LINE)
-def test_whatever_the_numbers(rows: list[Report], found: Report, slope: Report, line: Report) -> None:
+def test_whatever_the_numbers(rows: list[Document], found: Document, slope: Document, line: Document) -> None:
     conditions = [{**known, **row} for known, row in zip(DEMO["conditions"], rows, strict=False)]
     agreement = {**DEMO["agreement"], **found, **slope, "line": {**DEMO["agreement"]["line"], **line}}
     check({**DEMO, "conditions": conditions, "agreement": agreement})

@@ -5,12 +5,13 @@ import io
 import json
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 from page_report import demo_report
 
-from analysis import write_report
+from analysis import Report, write_report
 from analysis.report import wording
 from analysis.report.figures.energy import swept
 from analysis.report.html import html_text
@@ -46,7 +47,10 @@ class Page(HTMLParser):
 
 
 def test_equal_reports_give_equal_bytes(report, tmp_path):
-    first, second = write_report(report, tmp_path / "a"), write_report(json.loads(json.dumps(report)), tmp_path / "b")
+    first, second = (
+        write_report(report, tmp_path / "a"),
+        write_report(Report.of(json.loads(json.dumps(report.document()))), tmp_path / "b"),
+    )
     names = [path.relative_to(tmp_path / "a").as_posix() for path in first]
     assert names == [
         "report.csv", "report.md", "report.html",
@@ -68,16 +72,16 @@ def test_nothing_but_the_report_is_in_the_files(report, tmp_path):
 
 def test_json_is_read_back_exactly(report, tmp_path):
     path = write_report(report, tmp_path, figures=False)[-1]
-    assert json.loads(path.read_text(encoding="utf-8")) == report
+    assert json.loads(path.read_text(encoding="utf-8")) == report.document()
 
 
 def test_csv_has_a_line_per_condition_with_the_same_numbers(report, tmp_path):
     path = write_report(report, tmp_path, figures=False)[0]
     rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-    assert len(rows) == len(report["conditions"])
-    for row, found in zip(rows, report["conditions"], strict=True):
-        assert float(row["W_exp"]) == found["W_exp"]
-        assert (row["offset"] == "") == (found["offset"] is None)
+    assert len(rows) == len(report.conditions)
+    for row, found in zip(rows, report.conditions, strict=True):
+        assert float(row["W_exp"]) == found.W_exp
+        assert (row["offset"] == "") == (found.offset is None)
         assert int(row["runs"]) == 4
 
 
@@ -91,12 +95,12 @@ def test_page_is_self_contained_and_well_formed(report):
 
 
 def test_text_of_a_session_cannot_become_markup(report):
-    evil = {
-        **report,
-        "protocol": "<script>alert(1)</script>",
-        "question": "</p><img src=x onerror=alert(1)>",
-        "conditions": [{**report["conditions"][0], "id": "<i>c</i>", "bed": "'\"><b>"}],
-    }
+    evil = replace(
+        report,
+        protocol="<script>alert(1)</script>",
+        question="</p><img src=x onerror=alert(1)>",
+        conditions=(replace(report.conditions[0], id="<i>c</i>", bed="'\"><b>"),),
+    )
     text = html_text(evil)
     assert text.count("<script>") == 1
     assert "<img" not in text
@@ -122,13 +126,13 @@ def test_first_sentence_and_headline(report):
     )
     assert "ideal waveform is assumed" in wording.waveform(report)
     assert "synthetic" in wording.waveform(report)
-    found = report["agreement"]
+    found = report.agreement
     assert wording.headline(report).startswith("W_exp exceeds W_T by")
     percent = float(re.search(r"by ([\d.]+) % ± ([\d.]+) %", wording.headline(report)).group(1))
-    assert percent == pytest.approx(100 * (found["ratio"] - 1), abs=100 * found["U_ratio"] / 10)
-    less = {**report, "agreement": {**found, "ratio": 0.9}}
+    assert percent == pytest.approx(100 * (found.ratio - 1), abs=100 * found.U_ratio / 10)
+    less = replace(report, agreement=replace(found, ratio=0.9))
     assert "falls short of" in wording.headline(less)
-    model = {**report, "tests": "model", "synthetic": False, "waveform": "measured"}
+    model = replace(report, tests="model", synthetic=False, waveform="measured")
     assert "tests the damper model" in wording.tested(model)
     assert wording.waveform(model) == "The signals were measured."
 
@@ -167,26 +171,26 @@ def test_figures_are_drawings_with_words(report):
 
 @pytest.mark.parametrize("name", ["fill", "density", "diameter", "acceleration_set"])
 def test_the_axis_is_what_varies(report, name):
-    base = report["conditions"][0]
-    rows = [{**base, name: value} for value in (1.0, 2.0)]
+    base = report.conditions[0]
+    rows = tuple(replace(base, **{name: value}) for value in (1.0, 2.0))
     assert swept(rows) == name
-    assert plots({**report, "conditions": rows})
+    assert plots(replace(report, conditions=rows))
 
 
 def test_beds_compared_at_several_levels_are_told_apart(report):
-    rows = [
-        {**report["conditions"][0], "fill": 0.85, "bed": bed, "acceleration_set": a}
+    rows = tuple(
+        replace(report.conditions[0], fill=0.85, bed=bed, acceleration_set=a)
         for bed in ("empty", "locked", "dashpot")
         for a in (2.0, 3.0)
-    ]
-    texts = " ".join(ET.fromstring(plots({**report, "conditions": rows})[0].svg).itertext())
+    )
+    texts = " ".join(ET.fromstring(plots(replace(report, conditions=rows))[0].svg).itertext())
     for bed in ("empty", "locked", "dashpot"):
         assert bed in texts
 
 
 def test_a_report_without_conditions_is_still_a_report(report, tmp_path):
-    none = {**report["agreement"], "ratio": None, "slope": None, "mean_offset": None}
-    bare = {**report, "conditions": [], "nulls": [], "waveforms": None, "agreement": none}
+    none = replace(report.agreement, ratio=None, slope=None, mean_offset=None)
+    bare = replace(report, conditions=(), nulls=(), waveforms=None, agreement=none)
     paths = write_report(bare, tmp_path)
     assert len(paths) == 4
     assert "no predicted energy" in paths[2].read_text(encoding="utf-8")

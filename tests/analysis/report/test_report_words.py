@@ -1,12 +1,13 @@
 """What the report says in special cases: nothing put in, no line, single things, many alike, losses switched off."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from claim_data import entry, result
+from bare_rows import bare
+from claim_data import entry, judged, result
 from page_report import demo_report
 
-from analysis.comparison.claims import judge
 from analysis.comparison.null_tests import Null
 from analysis.comparison.pooled_ratio import Fit
 from analysis.comparison.references import Reference
@@ -16,6 +17,8 @@ from analysis.report.figures.energy import energy_plots
 from analysis.report.loss_names import loss_name, losses_sentence
 from analysis.report.tables.offset_tables import LOSSES, causes
 from analysis.report.tables.report_tables import conditions
+from analysis.results.cause_row import CauseRow, Growth, Span
+from analysis.results.judged_rows import ClaimRow
 from analysis.text import counted
 from analysis.uncertainty.estimate import Estimate
 
@@ -25,8 +28,13 @@ def report():
     return demo_report()
 
 
+def with_agreement(report, **changes):
+    """The report with other numbers of the agreement."""
+    return replace(report, agreement=replace(report.agreement, **changes))
+
+
 def test_nothing_put_in_is_no_percentage(report):
-    report["agreement"]["put_in"] = 0.0
+    report = with_agreement(report, put_in=0.0)
     assert "puts in nothing" in wording.headline(report)
     assert "0 %" not in wording.headline(report).split(";")[1]
 
@@ -37,20 +45,18 @@ def test_no_slope_where_no_line_fits(report):
     for chi2, told in ((10.0, "Slope through the origin 0.957"), (40.0, "No straight line describes")):
         fit = Fit(one, one, chi2, 10)
         stated = {"slope": 0.957, "U_slope": 0.005} if fit.is_likely else {"slope": None, "U_slope": None}
-        report["agreement"] |= {**stated, "line": fit.row()}
-        assert fit.is_likely == (fit.row()["slope"] is not None) == (chi2 == 10.0)
-        assert any(told in text for text in wording.found(report))
+        found = with_agreement(report, **stated, line=fit.row())
+        assert fit.is_likely == (fit.row().slope is not None) == (chi2 == 10.0)
+        assert any(told in text for text in wording.found(found))
 
 
 def test_without_a_prediction_the_energies_are_said(report):
-    report["agreement"]["ratio"] = None
-    for row in report["conditions"]:
-        row["W_T"] = None
-    first = report["conditions"][0]
+    rows = tuple(replace(row, W_T=None) for row in report.conditions)
+    report = replace(with_agreement(report, ratio=None), conditions=rows)
     assert "nothing is predicted" in wording.tested(report)
-    assert f"mJ per cycle in {len(report['conditions'])} conditions" in wording.headline(report)
-    report["conditions"] = [first]
-    assert f"W_exp in mJ per cycle: {first['id']} {1e3 * first['W_exp']:.0f}"[:-1] in wording.headline(report)
+    assert f"mJ per cycle in {len(rows)} conditions" in wording.headline(report)
+    told = wording.headline(replace(report, conditions=rows[:1]))
+    assert f"W_exp in mJ per cycle: {rows[0].id} {1e3 * rows[0].W_exp:.0f}"[:-1] in told
 
 
 def test_counted():
@@ -58,33 +64,31 @@ def test_counted():
 
 
 def test_claims_that_are_not_there_are_not_counted(report):
-    claim = {"claim": "", "test": "", "found": "", "verdict": "holds", "why": "", "ties": [], "cases": []}
-    report["claims"] = [claim, claim | {"verdict": "undecided"}]
-    assert "Of 2 claims 1 holds, 1 is undecided." in wording.found(report)
-    report["claims"] = [claim]
-    assert "The only claim: holds." in wording.found(report)
+    claim = ClaimRow("", "", "", "holds", "", (), ())
+    both = replace(report, claims=(claim, replace(claim, verdict="undecided")))
+    assert "Of 2 claims 1 holds, 1 is undecided." in wording.found(both)
+    assert "The only claim: holds." in wording.found(replace(report, claims=(claim,)))
 
 
 def test_losses_that_are_switched_off_are_no_causes(report):
-    row = {"law": "", "words": "", "share": 430.0, "empty": 430.0, "empty_from": "computed", "locked": 430.0,
-           "locked_from": "computed", "note": "", "over_first_principles": None,
-           "grows_with": {"acceleration": None, "mass": None, "fill": None}}  # fmt: skip
-    report["causes"] = [row | {"cause": name, "in_run": False} for name in LOSSES]
-    report["causes"].append(row | {"cause": "scale", "in_run": True})
-    table = causes(report)
+    row = CauseRow(
+        "scale", "", "", True, Growth(None, None, None), 430.0, 430.0, "computed", 430.0, "computed", None, ""
+    )
+    losses = [replace(row, cause=name, in_run=False) for name in LOSSES]
+    table = causes(replace(report, causes=(*losses, row)))
     assert [cells[0].text for cells in table.rows] == ["scale"]
     assert "switched off" in table.note
-    report["causes"][0]["in_run"] = True
-    table = causes(report)
+    table = causes(replace(report, causes=(replace(losses[0], in_run=True), *losses[1:], row)))
     assert len(table.rows) == len(LOSSES) + 1
     assert [cells[3].text[0] == "(" for cells in table.rows] == [False, *[True] * (len(LOSSES) - 1), False]
 
 
 def test_what_else_was_varied_is_a_column_and_an_axis(report):
-    rows = report["conditions"][:3]
-    for row, gap in zip(rows, ("1 mm", "2 mm", "3 mm"), strict=True):
-        row |= {"varied": {"gap": gap}, "acceleration_set": 5.0, "fill": 0.2, "bed": "slug"}
-    report["conditions"] = rows
+    rows = tuple(
+        replace(row, varied={"gap": gap}, acceleration_set=5.0, fill=0.2, bed="slug")
+        for row, gap in zip(report.conditions[:3], ("1 mm", "2 mm", "3 mm"), strict=True)
+    )
+    report = replace(report, conditions=rows)
     table = conditions(report)
     assert [cells[table.head.index("gap")].text for cells in table.rows] == ["1 mm", "2 mm", "3 mm"]
     (plot,) = energy_plots(report)
@@ -120,30 +124,32 @@ def test_many_checks_alike_are_one_sentence():
 @pytest.mark.parametrize("kind", ["optimum", "rise"])
 def test_why_nothing_can_be_compared(kind, W, why):
     results = {name: result(values, name=name) for name, values in W.items()}
-    (claim,) = judge([entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results)
-    assert claim["verdict"] == "undecided"
-    assert why in claim["why"]
+    (claim,) = judged([entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results)
+    assert claim.verdict == "undecided"
+    assert why in claim.why
 
 
 def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
-    report["agreement"] |= {"ratio": None, "put_in": 155.0}
-    assert "so no offset is stated: the losses of the box" in wording.headline(report)
-    assert "155 times" in wording.headline(report).replace("160", "155")
-    report["agreement"]["put_in"] = 0.3
-    assert wording.headline(report).endswith("so no offset is stated.")
-    report["agreement"] |= {"ratio_recorded": 13.5, "U_ratio_recorded": 0.4, "put_in_recorded": 12.3}
-    assert any("the losses of the box" in text for text in wording.found(report))
+    hidden = with_agreement(report, ratio=None, put_in=155.0)
+    assert "so no offset is stated: the losses of the box" in wording.headline(hidden)
+    assert "155 times" in wording.headline(hidden).replace("160", "155")
+    less = with_agreement(report, ratio=None, put_in=0.3)
+    assert wording.headline(less).endswith("so no offset is stated.")
+    recorded = with_agreement(less, ratio_recorded=13.5, U_ratio_recorded=0.4, put_in_recorded=12.3)
+    assert any("the losses of the box" in text for text in wording.found(recorded))
 
 
 def test_the_papers_words_explain_no_loss_that_is_larger_than_they_can_be(report):
     """Named by its law, and unexplained unless its size is known and no larger than the word would make it."""
-    row = {"in_run": True}
-    for low, high, word in ((3.0, 40.0, "unexplained "), (0.5, 1.0, ""), (None, None, "unexplained ")):
-        over = None if low is None else {"low": low, "high": high}
-        report["causes"] = [row | {"cause": name, "over_first_principles": over} for name in ("noise", "air", "gas")]
-        assert loss_name("noise", report) == f"{word}viscous loss (the paper's noise)"
-        assert loss_name("air", report) == f"{word}quadratic loss (the paper's air)"
-        assert loss_name("gas", report) == "gas"
-        assert ("the paper's air" in losses_sentence(report)) == bool(word)
-    report["causes"][0]["over_first_principles"] = {"low": 317307.3, "high": 317307.3}
-    assert "317 000 times the sound" in losses_sentence(report)
+
+    def of(span):
+        rows = [bare(CauseRow, cause=name, in_run=True, over_first_principles=span) for name in ("noise", "air", "gas")]
+        return replace(report, causes=tuple(rows))
+
+    for span, word in ((Span(3.0, 40.0), "unexplained "), (Span(0.5, 1.0), ""), (None, "unexplained ")):
+        told = of(span)
+        assert loss_name("noise", told) == f"{word}viscous loss (the paper's noise)"
+        assert loss_name("air", told) == f"{word}quadratic loss (the paper's air)"
+        assert loss_name("gas", told) == "gas"
+        assert ("the paper's air" in losses_sentence(told)) == bool(word)
+    assert "317 000 times the sound" in losses_sentence(of(Span(317307.3, 317307.3)))

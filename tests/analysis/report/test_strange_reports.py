@@ -1,8 +1,8 @@
 """Text from strangers in the report's files, made without the stand: the same elements, whatever the words are."""
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -16,23 +16,25 @@ from analysis.report.html import page
 from analysis.report.markdown import section_texts
 from analysis.report.sections import Section
 from analysis.report.tables.cells import Cell, Table
+from analysis.results.report import Report, Resolved
 
 FREE = ("demo", "Is 5 < 6 & true?", "stainless", "208C03", "352C33", "mu", "assumed", "<b>us</b> | me")
 
 
 @pytest.fixture(scope="module")
-def report() -> dict[str, Any]:
-    return {**demo_report(), "resolved": {"protocol": "protocol"}}
+def report() -> Report:
+    return replace(demo_report(), resolved=Resolved("protocol"))
 
 
-def told(report: dict[str, Any], texts: list[str]) -> dict[str, Any]:
+def told(report: Report, texts: list[str]) -> Report:
     """The report whose ids and free text are the texts."""
-    ids = [row["id"] for row in report["conditions"]]
+    ids = [row.id for row in report.conditions]
     swap = {text: f"{texts[n % len(texts)]}{n if text in ids else ''}" for n, text in enumerate([*ids, *FREE])}
-    return {**swapped(report, swap, ids), "resolved": {"protocol": f"a:\n\tb: {texts[0]}\n"}}
+    found = Report.of(swapped(report.document(), swap, ids))
+    return replace(found, resolved=Resolved(f"a:\n\tb: {texts[0]}\n"))
 
 
-def test_the_report_is_made_of_the_same_elements_whatever_its_words_are(report: dict[str, Any], tmp_path: Path) -> None:
+def test_the_report_is_made_of_the_same_elements_whatever_its_words_are(report: Report, tmp_path: Path) -> None:
     write_report(told(report, ["a", "b", "c"]), tmp_path)
     plain = shape_of(tmp_path)
 

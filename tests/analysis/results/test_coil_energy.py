@@ -1,6 +1,6 @@
 """Energy from the coil's current, against a forward solution of the exciter's equations of motion."""
 
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,13 +8,14 @@ from analytic_record import Facts
 
 from analysis.energy.energies import Energy
 from analysis.results.coil_current import PARTS, coil_estimates, coil_force, coil_of
+from analysis.session.exciter import Exciter
 from analysis.uncertainty.budget import certificate_lines
 
-EXCITER: dict[str, Any] = {
-    "force_constant": 12.0, "moving_mass": 0.5, "flexure_stiffness": 9500.0, "flexure_damping_ratio": 0.07,
-    "body_mass": 28.0, "isolation_stiffness": 27600.0, "isolation_damping_ratio": 0.1, "stinger_stiffness": 9.7e6,
-    "stinger_damping": 20.0, "force_constant_U": 0.01, "parts_U": 0.1, "band": 350.0,
-}  # fmt: skip
+EXCITER = Exciter(
+    force_constant=12.0, moving_mass=0.5, flexure_stiffness=9500.0, flexure_damping_ratio=0.07,
+    body_mass=28.0, isolation_stiffness=27600.0, isolation_damping_ratio=0.1, stinger_stiffness=9.7e6,
+    stinger_damping=20.0, force_constant_U=0.01, parts_U=0.1, band=350.0,
+)  # fmt: skip
 FREQUENCY, HARMONICS = 20.0, 12
 SHUNT = Facts("current", "A", calibration_U=0.005, gain_tolerance=0.003, noise_rms=1e-3)
 
@@ -26,20 +27,20 @@ def driven(mass: float, damping: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     """
     e = EXCITER
     current, force, acceleration = (np.zeros(HARMONICS, complex) for _ in range(3))
-    c_f = 2 * e["flexure_damping_ratio"] * np.sqrt(e["flexure_stiffness"] * e["moving_mass"])
-    c_m = 2 * e["isolation_damping_ratio"] * np.sqrt(e["isolation_stiffness"] * e["body_mass"])
+    c_f = 2 * e.flexure_damping_ratio * np.sqrt(e.flexure_stiffness * e.moving_mass)
+    c_m = 2 * e.isolation_damping_ratio * np.sqrt(e.isolation_stiffness * e.body_mass)
     for h in range(1, HARMONICS + 1):
         s = 2j * np.pi * FREQUENCY * h
-        flexure, mount = e["flexure_stiffness"] + s * c_f, e["isolation_stiffness"] + s * c_m
-        stinger = e["stinger_stiffness"] + s * e["stinger_damping"]
+        flexure, mount = e.flexure_stiffness + s * c_f, e.isolation_stiffness + s * c_m
+        stinger = e.stinger_stiffness + s * e.stinger_damping
         stiffness = np.array([
-            [e["moving_mass"] * s**2 + flexure + stinger, -flexure, -stinger],
-            [-flexure, e["body_mass"] * s**2 + flexure + mount, 0.0],
+            [e.moving_mass * s**2 + flexure + stinger, -flexure, -stinger],
+            [-flexure, e.body_mass * s**2 + flexure + mount, 0.0],
             [-stinger, 0.0, mass * s**2 + damping * s + stinger],
         ])  # fmt: skip
         thrust = 100.0 / h**2 * np.exp(1j * h)
         x = np.linalg.solve(stiffness, np.array([thrust, -thrust, 0.0]))
-        current[h - 1] = thrust / e["force_constant"]
+        current[h - 1] = thrust / e.force_constant
         force[h - 1] = stinger * (x[0] - x[2])
         acceleration[h - 1] = s**2 * x[2]
     return current, force, acceleration
@@ -79,9 +80,9 @@ def test_its_uncertainty_is_what_scattered_parts_give() -> None:
     rng = np.random.default_rng(1)
     found = []
     for _ in range(3000):
-        drawn = {name: EXCITER[name] * (1 + 0.05 * rng.standard_normal()) for name in PARTS}
+        drawn = {name: getattr(EXCITER, name) * (1 + 0.05 * rng.standard_normal()) for name in PARTS}
         drawn["force_constant"] = 12.0 * (1 + 0.005 * rng.standard_normal())
-        found.append(energy_of(coil_force(current, acceleration, FREQUENCY, EXCITER | drawn), acceleration).W)
+        found.append(energy_of(coil_force(current, acceleration, FREQUENCY, replace(EXCITER, **drawn)), acceleration).W)
     assert np.std(found) == pytest.approx(stated, rel=0.06)
 
 
@@ -102,7 +103,7 @@ def test_the_accelerometer_moves_both_estimates_alike() -> None:
 def test_harmonics_above_the_band_are_left_out_and_stated() -> None:
     current, force, acceleration = driven(12.0, 80.0)
     energy = energy_of(force, acceleration)
-    coil = coil_of(current, energy, SHUNT, {**EXCITER, "band": 70.0}, 20480)
+    coil = coil_of(current, energy, SHUNT, replace(EXCITER, band=70.0), 20480)
     above = next(line for line in coil.lines if line.source == "above the coil's band")
     missing = energy.W - coil.W
     assert missing == pytest.approx(np.sqrt(3) * above.u, rel=1e-6)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis.session.prediction import Curve, Prediction
+from analysis.session.prediction import Curve, Prediction, entries_of, middle
 
 
 @settings(deadline=None)
@@ -46,16 +46,18 @@ def test_what_is_no_table_is_refused(levels, values):
 
 
 def test_a_laboratory_s_own_prediction_needs_two_lists_only():
-    found = Prediction.of({"acceleration": [2, 4], "W_T": [1, 4]})
+    (entry,) = entries_of({"conditions": {"c": {"acceleration": [2, 4], "W_T": [1, 4]}}}).values()
+    found = Prediction.of(entry)
     assert found.total(3.0) == pytest.approx(2.25)
     assert found.friction(3.0) == 0
     assert found.u_rel == 0
-    assert found.extra["bound"] is None
+    assert entry.bound is None
 
 
 def test_numbers_given_along_the_curve_are_taken_at_its_middle():
-    found = Prediction.of({"acceleration": [2, 4, 3], "W_T": [1, 4, 2], "bound": [10, 30, 20]})
-    assert found.extra["bound"] == 20
+    assert middle((10, 30, 20), (2, 4, 3)) == 20
+    assert middle(7, (2, 4, 3)) == 7
+    assert middle(None, (2, 4, 3)) is None
 
 
 def test_the_slope_is_that_of_all_points_nearby():

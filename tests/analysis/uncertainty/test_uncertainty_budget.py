@@ -225,9 +225,9 @@ def test_stated_intervals_cover(count):
         scatter = iter(rng.normal(1.0, spread, 8))
         bench = Bench(channels=dict(NOMINAL), gains=gains, turn=turn, noise=(0.02, 5e-4), samples=16 * 512)
         report = read_session(session(table, lambda *_, c=scatter: mean_c * next(c), bench, rng, prediction=prediction))
-        row = report["conditions"][1]
-        hit["W_exp"] += abs(row["W_exp"] - dashpot_energy(mean_c, 4.0)) <= row["U_W_exp"]
-        hit["ratio"] += abs(report["agreement"]["ratio"] - 1) <= report["agreement"]["U_ratio"]
+        row = report.conditions[1]
+        hit["W_exp"] += abs(row.W_exp - dashpot_energy(mean_c, 4.0)) <= row.U_W_exp
+        hit["ratio"] += abs(report.agreement.ratio - 1) <= report.agreement.U_ratio
     low, high = stats.binom.ppf([0.0005, 0.9995], count, 0.95)
     assert low <= hit["W_exp"] <= high
     assert low <= hit["ratio"] <= high
@@ -245,16 +245,16 @@ def test_what_a_prediction_is_uncertain_by_stands_in_its_budget():
         bench = Bench(channels=dict(IDEAL), samples=11 * 512)
         record = session(table, lambda _entry, _repeat: 300.0, bench, np.random.default_rng(1), prediction=prediction)
         found[name] = read_session(record)
-    sources = {name: report["conditions"][0]["uncertainty_W_T"] for name, report in found.items()}
-    assert {name: [line["source"] for line in lines if line["u"] == 0.02] for name, lines in sources.items()} == {
+    sources = {name: report.conditions[0].uncertainty_W_T for name, report in found.items()}
+    assert {name: [line.source for line in lines if line.u == 0.02] for name, lines in sources.items()} == {
         "u_rel": ["prediction numerics"],
         "u_levels": ["prediction between levels"],
         "u_settling": ["settling of the bed"],
     }
     for report in found.values():
-        row = report["conditions"][0]
-        assert row["U_W_T"] / row["W_T"] == pytest.approx(1.96 * 0.02, rel=1e-2)
-        assert sum(line["share"] for line in row["uncertainty_W_T"]) == pytest.approx(1.0)
-    ratios = {name: report["agreement"]["U_ratio"] / report["agreement"]["ratio"] for name, report in found.items()}
+        row = report.conditions[0]
+        assert pytest.approx(1.96 * 0.02, rel=1e-2) == row.U_W_T / row.W_T
+        assert sum(line.share for line in row.uncertainty_W_T) == pytest.approx(1.0)
+    ratios = {name: report.agreement.U_ratio / report.agreement.ratio for name, report in found.items()}
     assert ratios["u_levels"] == pytest.approx(1.96 * 0.02 / 2, rel=1e-2)
     assert ratios["u_rel"] == pytest.approx(ratios["u_settling"]) == pytest.approx(1.96 * 0.02, rel=1e-2)

@@ -41,13 +41,13 @@ def test_the_report_numbers_are_those_of_its_time() -> None:
     uncertainties may be refined by later versions: within a tenth; how they are expanded (k) is the report's."""
     with open_session(SESSION) as record:
         report = read_session(record)
-    for row, old in zip(report["conditions"], EXPECTED["conditions"], strict=True):
-        assert (row["id"], row["bed"]) == (old["id"], old["bed"])
+    for row, old in zip(report.conditions, EXPECTED["conditions"], strict=True):
+        assert (row.id, row.bed) == (old["id"], old["bed"])
         for name in ("W_exp", "M_eff", "acceleration", "W_T"):
-            assert row[name] == pytest.approx(old[name], rel=1e-9, abs=1e-15), name
-        assert row["W_detect"] == pytest.approx(old["W_detect"], rel=0.1)
-        assert row["U_W_exp"] / row["k"] == pytest.approx(old["u_W_exp"], rel=0.1)
-    assert report["verdict"] == EXPECTED["verdict"]
+            assert getattr(row, name) == pytest.approx(old[name], rel=1e-9, abs=1e-15), name
+        assert row.W_detect == pytest.approx(old["W_detect"], rel=0.1)
+        assert row.U_W_exp / row.k == pytest.approx(old["u_W_exp"], rel=0.1)
+    assert report.verdict == EXPECTED["verdict"]
 
 
 def test_it_has_no_deviation_from_the_format() -> None:
