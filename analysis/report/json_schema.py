@@ -11,12 +11,11 @@ from typing import Any
 from analysis.comparison import two_sessions as between
 from analysis.comparison.whole_session import SCHEMA
 from analysis.session.ledger_columns import TERMS
-from daq.documents.json_schema import json_schema
+from daq.documents.json_schema import document_schema
 from daq.documents.shapes import Each, Either, Keys, List, Null, Number, Shape, Text, YesNo
 
 __all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
 
-DRAFT = "https://json-schema.org/draft/2020-12/schema"
 VALUE, KNOWN = Number(), Number(null=True)
 SHARE, SIZE = Number(0.0, 1.0), Number(0.0, null=True)
 WORDS = List(Text())
@@ -193,9 +192,9 @@ COMPARED = Keys(
 
 def comparison_schema() -> Mapping[str, Any]:
     """The JSON Schema of comparison.json."""
-    return {"$schema": DRAFT, "title": f"Two sessions compared, {between.SCHEMA}", **json_schema(COMPARED)}
+    return document_schema(COMPARED, f"Two sessions compared, {between.SCHEMA}")
 
 
 def report_schema() -> Mapping[str, Any]:
     """The JSON Schema of report.json."""
-    return {"$schema": DRAFT, "title": f"Agreement report, {SCHEMA}", **json_schema(REPORT)}
+    return document_schema(REPORT, f"Agreement report, {SCHEMA}")
