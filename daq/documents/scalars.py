@@ -45,7 +45,7 @@ class _Scalar:
         return value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Anything(_Scalar):
     """Any value, which is left as it is: a node stays one. `says` is what JSON Schema knows of it."""
 
@@ -59,7 +59,7 @@ class Anything(_Scalar):
         return dict(self.says)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Number(_Scalar):
     """A number from `least` to `most`, above `least` where `above`; whole, or null, where it says so."""
 
@@ -99,7 +99,7 @@ class Number(_Scalar):
         return found | ({"maximum": self.most} if self.most < LARGEST else {})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Text(_Scalar):
     """Text, one of `words` unless that is empty, or all of it as the regular expression `pattern`; null where it says
     so. `allowed`: the same in words. as_written: a number counts as the text that it was written as (names of models
@@ -142,7 +142,7 @@ class Text(_Scalar):
         return found | ({"pattern": f"^{self.pattern}$"} if self.pattern else {})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class YesNo(_Scalar):
     """True or false."""
 
@@ -156,7 +156,7 @@ class YesNo(_Scalar):
         return {"type": "boolean"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Null(_Scalar):
     """Null."""
 

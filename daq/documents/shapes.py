@@ -67,7 +67,7 @@ def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
         return _NOTHING
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class List:
     """A list of at least `least` and at most `most` values of one shape, each once where `unique`; `what` says what is
     in it."""
@@ -124,7 +124,7 @@ def some_of(*words: str) -> List:
     return List(one_of(*words), unique=True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Each:
     """A mapping with values of one shape under keys of any name, or of those that `keys` allows."""
 
@@ -157,7 +157,7 @@ def _key_of(node: Any, key: str) -> Any:
     return Node(node.key_places[key], key, key) if isinstance(node, Node) else key
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Keys:
     """A mapping with these keys, and those in `optional` where it has them; null where it says so.
 
@@ -262,7 +262,7 @@ class Keys:
         """The schema itself, in the place of a reference to it."""
         null = self.null and self.kind is None
         found: Schema = {"type": ["object", "null"] if null else "object"}
-        found["properties"] = {name: part.schema(kinds) | self._default(name) for name, part in self.every().items()}
+        found["properties"] = {name: self._default(name) | part.schema(kinds) for name, part in self.every().items()}
         found |= {"required": list(self.required)} if self.required or not self.closed else {}
         patterns = {f"^{pattern}$": shape.schema(kinds) for pattern, shape in self.groups.items()}
         found |= {"patternProperties": patterns} if patterns else {}
@@ -279,7 +279,7 @@ class Keys:
         return {"default": plain(self.every()[name], default)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Choice:
     """A mapping whose shape hangs on the word under `key`."""
 
@@ -303,9 +303,10 @@ class Choice:
         return found | {"properties": properties, "required": [self.key, *found["required"]]}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class OneOf:
-    """A mapping whose shape hangs on which of these keys it has; exactly one of them. `what` it is, in words."""
+    """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes are closed, and a key
+    that several of them have is the same in each. `what` it is, in words."""
 
     shapes: Mapping[str, Keys]
     what: str
@@ -329,12 +330,20 @@ class OneOf:
         return {
             "type": "object",
             "properties": {name: part.schema(kinds) for name, part in self.every().items()},
+            "required": sorted(set.intersection(*(set(part.required) for part in self.shapes.values()))),
+            "additionalProperties": False,
             "oneOf": [{"required": [key]} for key in self.shapes],
-            "allOf": [{"if": {"required": [key]}, "then": part.body(kinds)} for key, part in self.shapes.items()],
+            "allOf": [_rule(key, part) for key, part in self.shapes.items()],
         }
 
 
-@dataclass(frozen=True)
+def _rule(key: str, shape: Keys) -> Schema:
+    """What goes with a key of `OneOf`."""
+    then = {"required": list(shape.required), "propertyNames": {"enum": list(shape.every())}}
+    return {"if": {"required": [key]}, "then": then}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Either:
     """A value of one shape or of another."""
 
@@ -359,7 +368,7 @@ class Either:
         return {"anyOf": [self.first.schema(kinds), self.second.schema(kinds)]}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Then:
     """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which notes what does not fit
     together. `says`: what JSON Schema can know of that."""

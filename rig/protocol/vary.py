@@ -51,7 +51,8 @@ class Field:
 
 def axes_shape(axes: Axes) -> Then:
     """The shape of `vary`, read into a tuple of axes, which are added to `axes` with the places of their values."""
-    return Then(_lists(), partial(_read_axes, axes))
+    told = "The grid: every combination of the values, the last axis fastest."
+    return Then(_lists(), partial(_read_axes, axes), {"description": told, "default": {}})
 
 
 @cache
