@@ -1,12 +1,15 @@
-"""Quantities: text with a unit to SI numbers and back, exactly."""
+"""Quantities: text with a unit to SI numbers and back, exactly; as shapes of a document, with unit and range."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
+from typing import Any
+
+from daq.documents.notes import Notes, bare, nearest
 
 GRAVITY = 9.80665
 """Standard gravity, m/s^2, exact by definition (3rd CGPM, 1901)."""
@@ -59,26 +62,36 @@ LEAST_PER_CENT = 2.0
 """Number from which a fraction out of range may have been meant in per cent; 1.2 was not."""
 
 
+SMALLEST = 1e-60
+"""Smallest number but 0, SI: products of a few such are numbers still."""
+
+_ANY = r"[-+]?(?:\d+\.?\d*|\.\d+)"
+_NOT_NEGATIVE = r"(?:\+?(?:\d+\.?\d*|\.\d+)|-(?:0+\.?0*|\.0+))"
+_POSITIVE = r"\+?(?=[\d.]*[1-9])(?:\d+\.?\d*|\.\d+)"
+
+
 @dataclass(frozen=True)
 class Quantity:
-    """Dimension and allowed range of a number: `least` <= value <= `most`, or `least` < value if
-    `above`.
-    """
+    """What a number means and may be: `least` <= value <= `most`, or `least` < value where `above`; a whole number,
+    null, or one of some words where it says so. It is written as a plain number in SI, or as text with a unit."""
 
     dimension: str = "number"
     least: float = -math.inf
     most: float = math.inf
     above: bool = False
+    whole: bool = False
+    null: bool = False
+    words: tuple[str, ...] = ()
 
     def holds(self, value: float) -> bool:
         """Return whether a value (SI) is in the range."""
         return (value > self.least if self.above else value >= self.least) and value <= self.most
 
     def __str__(self) -> str:
-        """Return the allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm,
-        cm, um)".
-        """
-        return f"{self.range() or 'a number'} ({allowed_units(self.dimension)})"
+        """Return the allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm, cm, um)"."""
+        if self.whole:
+            return ", ".join(part for part in ("a whole number", self.range()) if part)
+        return ", or ".join([f"{self.range() or 'a number'} ({allowed_units(self.dimension)})", *self.words])
 
     def range(self) -> str:
         """Return the allowed range in words, "" if every number is allowed."""
@@ -88,6 +101,54 @@ class Quantity:
         if math.isfinite(self.most):
             parts.append(f"at most {_short(self.most, self.dimension)}")
         return ", ".join(parts)
+
+    def fitted(self, whole: bool, null: bool, words: tuple[str, ...]) -> Quantity:
+        """The quantity as the type of a field wants it: `float | Literal["none"] | None`."""
+        return replace(self, whole=whole, null=null, words=words)
+
+    def read(self, node: Any, path: str, notes: Notes) -> float | int | str | None:
+        """The SI number of a node, a word, or None."""
+        value = written = bare(node)
+        if value in self.words or (value is None and self.null):
+            return str(value) if value is not None else None
+        if isinstance(written, str):
+            if self.words and written.isalpha():
+                raise notes.refuse(node, path, self, nearest(written, self.words))
+            try:
+                value = parse_quantity(written, self.dimension)
+            except UnitError as error:
+                raise notes.refuse(node, path, self if self.whole else error) from error
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            raise notes.refuse(node, path, self)
+        if not self.holds(value):
+            raise notes.refuse(node, path, self, "" if isinstance(written, str) else suggest_unit(float(value), self))
+        if 0 < abs(value) < SMALLEST:
+            raise notes.refuse(node, path, f"{self}; 0, or at least {SMALLEST:g} in size")
+        if self.whole and value != int(value):
+            raise notes.refuse(node, path, self)
+        return int(value) if self.whole else float(value) + 0.0
+
+    def plain(self, value: Any) -> Any:
+        """A number as `read` takes it back, with its unit."""
+        if value is None or isinstance(value, str):
+            return value
+        value += 0 if isinstance(value, int) else 0.0  # a minus zero is a zero
+        return value if self.dimension == "number" else format_quantity(value, self.dimension)
+
+    def schema(self, _kinds: dict[str, Any]) -> dict[str, Any]:
+        """A plain number in its range, or text with a unit; of the text's number the sign is checked."""
+        number: dict[str, Any] = {"type": "integer" if self.whole else "number"}
+        if math.isfinite(self.least):
+            number["exclusiveMinimum" if self.above else "minimum"] = self.least
+        if math.isfinite(self.most):
+            number["maximum"] = self.most
+        positive = self.least > 0 or (self.least == 0 and self.above)
+        digits = _POSITIVE if positive else _NOT_NEGATIVE if self.least == 0 else _ANY
+        units = "|".join(_escaped(unit) for unit in sorted(UNITS[self.dimension], key=len, reverse=True))
+        pattern = rf"^\s*{digits}(?:[eE][-+]?\d+)?\s*(?:{units})\s*$"
+        forms = [number, {"type": "string", "pattern": pattern, "maxLength": _LONGEST_TEXT}]
+        forms += [{"enum": list(self.words)}] if self.words else []
+        return {"description": str(self), "anyOf": forms + ([{"type": "null"}] if self.null else [])}
 
 
 class UnitError(ValueError):
@@ -153,3 +214,8 @@ def suggest_unit(value: float, quantity: Quantity) -> str:
 def _short(value: float, dimension: str) -> str:
     digits = str(value) if isinstance(value, int) else f"{value:g}"
     return f"{digits} {unit_of(dimension)}".rstrip()
+
+
+def _escaped(unit: str) -> str:
+    """A unit as a regular expression that JavaScript and Python read alike."""
+    return "".join(r"\s+" if c == " " else f"\\{c}" if c in "^*/()" else c for c in unit)

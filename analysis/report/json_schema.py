@@ -10,19 +10,16 @@ from typing import Any
 
 from analysis.results import compared, report
 from daq.documents.classes import shape_of
-from daq.documents.json_schema import json_schema
+from daq.documents.json_schema import document_schema
 
 __all__ = ["comparison_schema", "report_schema"]
-
-DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def comparison_schema() -> Mapping[str, Any]:
     """The JSON Schema of comparison.json."""
-    title = f"Two sessions compared, {compared.SCHEMA}"
-    return {"$schema": DRAFT, "title": title, **json_schema(shape_of(compared.Comparison))}
+    return document_schema(shape_of(compared.Comparison), f"Two sessions compared, {compared.SCHEMA}")
 
 
 def report_schema() -> Mapping[str, Any]:
     """The JSON Schema of report.json."""
-    return {"$schema": DRAFT, "title": f"Agreement report, {report.SCHEMA}", **json_schema(shape_of(report.Report))}
+    return document_schema(shape_of(report.Report), f"Agreement report, {report.SCHEMA}")

@@ -9,10 +9,10 @@ from dataclasses import is_dataclass
 from functools import reduce
 from typing import Any
 
-from rig.documents.decode import annotation_at, quantity_of
+from daq.documents.grammar import shape_at
 from rig.protocol.claims import LISTS
 from rig.protocol.spec import Condition, Expect, Protocol
-from rig.units import UNITS
+from rig.units import UNITS, Quantity
 
 Pick = Callable[[Condition], Any]
 
@@ -51,8 +51,8 @@ def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
 
 def label(path: str, value: Any) -> str:
     """Return a field's value in readable form: "5 mm", "0.90", "stainless"."""
-    quantity = quantity_of(annotation_at(Protocol, path))
-    if quantity is None or isinstance(value, str | bool) or value is None:
+    quantity = shape_at(Protocol, path)
+    if not isinstance(quantity, Quantity) or isinstance(value, str | bool) or value is None:
         return str(value)
     if quantity.dimension == "number":
         return f"{value:.2f}" if isinstance(value, float) and round(value, 2) == value else f"{value:.6g}"

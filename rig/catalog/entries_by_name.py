@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from daq.documents.notes import Node, Notes
+from daq.documents.shapes import Choice, Keys, Shape, Text, Then
 from rig.catalog.entries import CatalogValue, Exciter, Material
-from rig.catalog.stated_values import Wanted, read_all, wanted_by
-from rig.documents.decode import Notes, entries_of, word_of
-from rig.documents.nodes import Node
-from rig.documents.yaml_reader import read_file, read_yaml
+from rig.catalog.stated_values import StatedNumber, stated_fields
+from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.errors import InputError, Mistake, nearest, quote
 from rig.units import Quantity
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).parent
 SCHEMA = "rig/catalog/1"
+NAME = r"[A-Za-z0-9].*"
 KINDS = ("material", "exciter", "transducer", "analyzer")
 IDEAL = "ideal"
 
@@ -106,59 +108,55 @@ def shelf(kind: str) -> dict[str, Entry]:
     path = HERE / f"{kind}s.yaml"
     notes = Notes()
     root = read_yaml(read_file(path), path.name, notes.mistakes)
-    found = {}
-    for name, node in root.value.items() if isinstance(root.value, dict) else ():
-        if name != "schema":
-            found[name] = _entry(kind, name, node, notes)
-    if notes.mistakes:
-        raise InputError(*notes.mistakes)
-    return found
+    document = Keys({"schema": Text((SCHEMA,))}, groups={NAME: Then(_shape(kind), _entry)}, closed=True)
+    found: dict[str, Any] = read_document(document, root, notes)
+    return {name: entry for name, entry in found.items() if name != "schema"}
 
 
-def _entry(kind: str, name: str, node: Node, notes: Notes) -> Entry:
-    word_names = ("label", "quantity") if kind == "transducer" else ("label",)
-    quantity = node.value["quantity"].text if kind == "transducer" and isinstance(node.value, dict) else ""
-    wanted = _wanted(kind, quantity)
-    entries = entries_of(node, name, (*word_names, *wanted), notes)
-    words = {word: word_of(entries[word], f"{name}.{word}", (), notes) for word in word_names}
-    values = read_all(entries, wanted, "", notes)
-    missing = sorted({name for name, want in wanted.items() if want.needed} - {value.path for value in values})
-    if missing:
-        notes.reject(node.where, name, f"no {', '.join(missing)}", "every field")
-    return Entry(words, tuple(values))
+def _entry(parts: dict[str, Any], _node: Node, path: str, _notes: Notes) -> Entry:
+    words = {key: part for key, part in parts.items() if isinstance(part, str)}
+    values = (part for part in parts.values() if isinstance(part, CatalogValue))
+    return Entry(words, tuple(replace(value, path=value.path.removeprefix(f"{path}.")) for value in values))
 
 
-def _wanted(kind: str, quantity: str) -> dict[str, Wanted]:
-    if kind == "material":
-        return wanted_by(Material)
-    if kind == "exciter":
-        return wanted_by(Exciter)
-    if kind == "analyzer":
-        return {
-            "rates": Wanted(Quantity("rate", 0.0, 1e9, above=True), "many"),
-            "oversampling": Wanted(_COUNT),
-            "bits": Wanted(Quantity("number", 8.0, 32.0)),
-            "ranges": Wanted(Quantity("voltage", 0.0, 1000.0, above=True), "many"),
-            "noise_rms": Wanted(Quantity("voltage", 0.0, 1.0)),
-            "gain_tolerance": Wanted(_RELATIVE),
-            "clock_ppm": Wanted(Quantity("ppm", 0.0, 1e5)),
-            "channels": Wanted(_COUNT),
-            "ac_corner": Wanted(Quantity("frequency", 0.0, 1e3, above=True)),
-            "ac_tolerance": Wanted(_RELATIVE),
-            "skew": Wanted(Quantity("delay", 0.0, 1e-6)),
-        }
-    spots = Wanted(Quantity("acceleration noise", 0.0, 1e6, above=True), "many", needed=False)
-    return {
-        "sensitivity": Wanted(Quantity(f"{quantity} sensitivity", 0.0, 1e6, above=True)),
-        "full_scale": Wanted(Quantity(quantity, 0.0, 1e9, above=True)),
-        "time_constant": Wanted(Quantity("time", 0.0, 1e9, above=True), "maybe"),
-        "time_constant_spread": Wanted(_RELATIVE),
-        "noise_rms": Wanted(Quantity(quantity, 0.0, 1e6)),
-        "noise_bandwidth": Wanted(Quantity("frequency", 0.0, 1e9, above=True)),
-        "calibration_U": Wanted(_RELATIVE),
-        "linearity": Wanted(_RELATIVE, needed=False),
-        "resonance": Wanted(Quantity("frequency", 0.0, 1e9, above=True), needed=False),
-        "resonance_damping": Wanted(Quantity("number", 0.0, 0.9, above=True), needed=False),
-        "clips_at": Wanted(Quantity("voltage", 0.0, 1000.0, above=True), needed=False),
+def _shape(kind: str) -> Shape:
+    if kind == "transducer":
+        return Choice("quantity", {quantity: _transducer(quantity) for quantity in _SENSOR_UNITS})
+    fields = {"material": stated_fields(Material), "exciter": stated_fields(Exciter), "analyzer": _ANALYZER}
+    return Keys({"label": Text(), **fields[kind]}, closed=True)
+
+
+_ANALYZER = {
+    "rates": StatedNumber(Quantity("rate", 0.0, 1e9, above=True), many=True),
+    "oversampling": StatedNumber(_COUNT),
+    "bits": StatedNumber(Quantity("number", 8.0, 32.0)),
+    "ranges": StatedNumber(Quantity("voltage", 0.0, 1000.0, above=True), many=True),
+    "noise_rms": StatedNumber(Quantity("voltage", 0.0, 1.0)),
+    "gain_tolerance": StatedNumber(_RELATIVE),
+    "clock_ppm": StatedNumber(Quantity("ppm", 0.0, 1e5)),
+    "channels": StatedNumber(_COUNT),
+    "ac_corner": StatedNumber(Quantity("frequency", 0.0, 1e3, above=True)),
+    "ac_tolerance": StatedNumber(_RELATIVE),
+    "skew": StatedNumber(Quantity("delay", 0.0, 1e-6)),
+}
+
+
+def _transducer(quantity: str) -> Keys:
+    spots = StatedNumber(Quantity("acceleration noise", 0.0, 1e6, above=True), many=True)
+    needed = {
+        "sensitivity": StatedNumber(Quantity(f"{quantity} sensitivity", 0.0, 1e6, above=True)),
+        "full_scale": StatedNumber(Quantity(quantity, 0.0, 1e9, above=True)),
+        "time_constant": StatedNumber(Quantity("time", 0.0, 1e9, above=True, null=True)),
+        "time_constant_spread": StatedNumber(_RELATIVE),
+        "noise_rms": StatedNumber(Quantity(quantity, 0.0, 1e6)),
+        "noise_bandwidth": StatedNumber(Quantity("frequency", 0.0, 1e9, above=True)),
+        "calibration_U": StatedNumber(_RELATIVE),
+    }
+    maybe = {
+        "linearity": StatedNumber(_RELATIVE),
+        "resonance": StatedNumber(Quantity("frequency", 0.0, 1e9, above=True)),
+        "resonance_damping": StatedNumber(Quantity("number", 0.0, 0.9, above=True)),
+        "clips_at": StatedNumber(Quantity("voltage", 0.0, 1000.0, above=True)),
         **({"noise_spots": spots} if quantity == "acceleration" else {}),
     }
+    return Keys({"label": Text(), "quantity": Text(), **needed}, maybe, closed=True)

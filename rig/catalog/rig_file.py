@@ -5,24 +5,27 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from daq.documents.notes import Node, Notes
+from daq.documents.shapes import Anything, Each, Either, Keys, Text, Then, one_of
 from rig.catalog.entries import CatalogValue, Exciter, Rig
 from rig.catalog.entries_by_name import HERE, entry_of, names
-from rig.catalog.stated_values import Wanted, read_all, wanted_by, write_stated
-from rig.documents.decode import Notes, Unreadable, describe, entries_of, word_of
-from rig.documents.nodes import Node
-from rig.documents.yaml_reader import read_file, read_yaml
+from rig.catalog.stated_values import StatedNumber, stated_fields, write_stated
+from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.documents.yaml_writer import write_yaml
-from rig.errors import InputError, Mistake, in_order, nearest, quote
+from rig.errors import InputError, Mistake, nearest, quote
 from rig.units import Quantity
 
 SCHEMA = "rig/rig/1"
 DEFAULT = "default"
 RANGES = ("force", "acceleration", "current", "voltage")
-_VOLTS = Wanted(Quantity("voltage", 0.0, 1000.0, above=True))
+_VOLTS = StatedNumber(Quantity("voltage", 0.0, 1000.0, above=True))
 _PRESET = "preset"
+_PACKING = ("packing_loose", "packing_shaken")
+_EXCITER = tuple(f"exciter.{name}" for name in stated_fields(Exciter))
 
 
 def rig_names() -> tuple[str, ...]:
@@ -54,13 +57,8 @@ def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
     path = rig_path(name_or_path)
     notes = Notes()
     base = None if path == rig_path(DEFAULT) else load_rig(DEFAULT)
-    try:
-        rig = _rig(read_yaml(read_file(path), str(path), notes.mistakes), base, notes)
-    except Unreadable:
-        raise InputError(*in_order(notes.mistakes)) from None
-    if notes.mistakes:
-        raise InputError(*in_order(notes.mistakes))
-    return rig
+    root = read_yaml(read_file(path), str(path), notes.mistakes)
+    return _rig(read_document(rig_shape(base), root, notes), base)
 
 
 def rig_with_losses(rig: Rig, noise: float, air: float, provenance: Mapping[str, Any]) -> Rig:
@@ -84,39 +82,60 @@ def dump_rig(rig: Rig) -> str:
         return write_stated(replace(origins[f"{owner}{path}"], value=number))
 
     parts: dict[str, Any] = {_PRESET: rig.exciter.name}
-    parts |= {path: stated("exciter.", rig.exciter, path) for path in wanted_by(Exciter)}
+    parts |= {path: stated("exciter.", rig.exciter, path) for path in stated_fields(Exciter)}
     preset = rig.exciter.name in names("exciter") and _preset_values(rig.exciter.name) == {
         path: origins[path] for path in origins if path.startswith("exciter.")
     }
     data: dict[str, Any] = {"schema": SCHEMA, "name": rig.name, "exciter": rig.exciter.name if preset else parts}
-    data |= {path: stated("", rig, path) for path in wanted_by(Rig)}
+    data |= {path: stated("", rig, path) for path in stated_fields(Rig)}
     data["ranges"] = {path: stated("ranges.", rig.ranges, path) for path in RANGES}
     data["provenance"] = dict(rig.provenance)
     return write_yaml(data)
 
 
-def _rig(root: Node, base: Rig | None, notes: Notes) -> Rig:
-    wanted = wanted_by(Rig)
-    entries = entries_of(root, "", ("schema", "name", "exciter", *wanted, "ranges", "provenance"), notes)
-    _check_schema(root, entries, notes)
+def rig_shape(base: Rig | None) -> Then:
+    """The shape of a rig file: every number with its origin, the exciter by name or with values of its own."""
+    preset = one_of(*names("exciter"))
+    own = Keys({_PRESET: preset}, stated_fields(Exciter), closed=True)
+    return Then(
+        Keys(
+            {"schema": one_of(SCHEMA)},
+            {
+                "name": Text(as_written=True),
+                "exciter": Either(preset, own),
+                **stated_fields(Rig),
+                "ranges": Keys({}, dict.fromkeys(RANGES, _VOLTS), closed=True),
+                "provenance": Each(Anything()),
+            },
+            closed=True,
+            standing_in={"schema": SCHEMA},
+        ),
+        partial(_check_packing, base),
+    )
+
+
+def _rig(parts: Mapping[str, Any], base: Rig | None) -> Rig:
+    """The rig of a file's values, the others from `base`."""
+    exciter = parts.get("exciter", base.exciter.name if base else names("exciter")[0])
     values = {value.path: value for value in base.values} if base else {}
-    values |= {value.path: value for value in read_all(entries, wanted, "", notes)}
-    if "ranges" in entries:
-        limits = entries_of(entries["ranges"], "ranges", RANGES, notes)
-        values |= {value.path: value for value in read_all(limits, dict.fromkeys(RANGES, _VOLTS), "ranges", notes)}
-    name = word_of(entries["name"], "name", (), notes) if "name" in entries else base.name if base else DEFAULT
-    preset, exciter_values = _exciter(entries.get("exciter"), base, values, notes)
-    values |= exciter_values
-    _check_packing(root, entries, values, notes)
-    order = [*wanted, *(f"ranges.{key}" for key in RANGES), *(f"exciter.{key}" for key in wanted_by(Exciter))]
+    if "exciter" in parts or base is None:
+        own = exciter if isinstance(exciter, dict) else {_PRESET: exciter}
+        exciter = own[_PRESET]
+        values |= _preset_values(exciter) | {value.path: value for key, value in own.items() if key != _PRESET}
+    stated = [part for part in (*parts.values(), *parts.get("ranges", {}).values()) if isinstance(part, CatalogValue)]
+    values |= {value.path: value for value in stated}
+    order = [*stated_fields(Rig), *(f"ranges.{key}" for key in RANGES), *_EXCITER]
+    provenance = base.provenance if base else {}
+    if "provenance" in parts:
+        provenance = {key: part.plain() for key, part in parts["provenance"].items()}
     number: dict[str, Any] = {path: value.value for path, value in values.items()}
     return Rig(
-        name=name,
-        exciter=Exciter(preset, **{key: number[f"exciter.{key}"] for key in wanted_by(Exciter)}),
+        name=parts.get("name", base.name if base else DEFAULT),
+        exciter=Exciter(exciter, **{path.partition(".")[2]: number[path] for path in _EXCITER}),
         ranges={key: number[f"ranges.{key}"] for key in RANGES if f"ranges.{key}" in number},
-        provenance=_provenance(entries.get("provenance"), base, notes),
+        provenance=provenance,
         values=tuple(values[path] for path in order if path in values),
-        **{key: number[key] for key in wanted if key in number},
+        **{key: number[key] for key in stated_fields(Rig) if key in number},
     )
 
 
@@ -125,44 +144,10 @@ def _preset_values(name: str) -> dict[str, CatalogValue]:
     return {f"exciter.{value.path}": replace(value, path=f"exciter.{value.path}") for value in stated}
 
 
-def _exciter(
-    node: Node | None, base: Rig | None, values: Mapping[str, CatalogValue], notes: Notes
-) -> tuple[str, dict[str, CatalogValue]]:
-    """The exciter's name and stated values: a catalog name, or a preset with some values of its own."""
-    if node is None:
-        name = base.exciter.name if base else names("exciter")[0]
-        return name, {path: value for path, value in values.items() if path.startswith("exciter.")}
-    wanted = wanted_by(Exciter)
-    if not isinstance(node.value, dict):
-        name = word_of(node, "exciter", names("exciter"), notes)
-        return name, _preset_values(name)
-    entries = entries_of(node, "exciter", (_PRESET, *wanted), notes)
-    if _PRESET not in entries:
-        raise notes.reject(node.where, "exciter", f"no {_PRESET}", f"{_PRESET}: one of {', '.join(names('exciter'))}")
-    name = word_of(entries[_PRESET], f"exciter.{_PRESET}", names("exciter"), notes)
-    own = {value.path: value for value in read_all(entries, wanted, "exciter", notes)}
-    return name, _preset_values(name) | own
-
-
-def _check_schema(root: Node, entries: Mapping[str, Node], notes: Notes) -> None:
-    if "schema" not in entries:
-        notes.reject(root.where, "schema", "nothing", SCHEMA)
-    elif entries["schema"].value != SCHEMA:
-        notes.reject(entries["schema"].where, "schema", describe(entries["schema"]), SCHEMA)
-
-
-def _check_packing(root: Node, entries: Mapping[str, Node], values: Mapping[str, CatalogValue], notes: Notes) -> None:
-    loose, shaken = (values[key].value if key in values else None for key in ("packing_loose", "packing_shaken"))
-    if isinstance(loose, float) and isinstance(shaken, float) and loose > shaken:
-        where = entries.get("packing_loose", entries.get("packing_shaken", root)).where
+def _check_packing(base: Rig | None, parts: dict[str, Any], _node: Node, _path: str, notes: Notes) -> dict[str, Any]:
+    own = [key for key in _PACKING if key in parts]
+    loose, shaken = (parts[key].value if key in parts else getattr(base, key, None) for key in _PACKING)
+    if own and isinstance(loose, float) and isinstance(shaken, float) and loose > shaken:
         allowed = f"at most packing_shaken, {shaken:g}: shaking makes a bed denser"
-        notes.reject(where, "packing_loose", f"{loose:g}", allowed)
-
-
-def _provenance(node: Node | None, base: Rig | None, notes: Notes) -> Mapping[str, Any]:
-    if node is None:
-        return base.provenance if base else {}
-    if not isinstance(node.value, dict):
-        raise notes.reject(node.where, "provenance", describe(node), "a mapping")
-    plain: dict[str, Any] = node.plain()
-    return plain
+        notes.reject(notes.place_of(own[0]), _PACKING[0], f"{loose:g}", allowed)
+    return parts

@@ -2,94 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any
 
+from daq.documents.grammar import keys_of
+from daq.documents.notes import Node, Notes, Unreadable
+from daq.documents.shapes import Anything, Keys, List, Shape, Text
 from rig.catalog.entries import STATUSES, CatalogValue
-from rig.documents.decode import Notes, Unreadable, describe, entries_of, grammar, number, word_of
-from rig.documents.nodes import Node
-from rig.errors import Mistake, quote
 from rig.units import UNITS, Quantity, unit_of
 
-KEYS = ("value", "unit", "status", "source")
+_WORD = Text(as_written=True)
+_STATED = Keys({"value": Anything(), "status": Text(STATUSES)}, {"unit": _WORD, "source": _WORD}, closed=True)
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What a catalog field holds: one number, one or null ("maybe"), or a list of them ("many"). A field that is not
-    `needed` may be left out."""
+class StatedNumber:
+    """A number with its origin, or with `many` a list of them; read into a CatalogValue in SI, null allowed where the
+    quantity's is."""
 
     quantity: Quantity
-    form: Literal["one", "maybe", "many"] = "one"
-    needed: bool = True
+    many: bool = False
+
+    def __str__(self) -> str:
+        return f"a list of numbers, {self.quantity}" if self.many else str(self.quantity)
+
+    def read(self, node: Node, path: str, notes: Notes) -> CatalogValue:
+        """The stated value; a plain one is taken as assumed."""
+        parts: dict[str, Any] = {"value": node, "status": "assumed", "source": "given in the rig file"}
+        if isinstance(node.value, dict):
+            parts = {"source": "", **_STATED.read(node, path, notes)}
+            if notes.spoilt(path):
+                raise Unreadable(path)
+        value = parts["value"]
+        if "unit" in parts:
+            units = Text(tuple(unit for unit in UNITS[self.quantity.dimension] if unit))
+            place = node.value["unit"] if isinstance(node.value, dict) else node
+            value = _with_unit(value, units.read(place, f"{path}.unit", notes))
+        shape: Shape = List(self.quantity, least=1, what=f"numbers, {self.quantity}") if self.many else self.quantity
+        number: Any = shape.read(value, path, notes)
+        return CatalogValue(path, number, unit_of(self.quantity.dimension), parts["status"], parts["source"])
+
+    def schema(self, kinds: dict[str, Any]) -> dict[str, Any]:
+        """The number alone, or the mapping."""
+        number: Shape = List(self.quantity, least=1) if self.many else self.quantity
+        return {"anyOf": [number.schema(kinds), _STATED.schema(kinds)]}
 
 
-def wanted_by(kind: type) -> dict[str, Wanted]:
+def stated_fields(kind: type) -> dict[str, StatedNumber]:
     """The number fields of a catalog dataclass."""
-    found = {}
-    for name, annotation in grammar(kind).items():
-        marks = [extra for extra in get_args(annotation) if isinstance(extra, Quantity)]
-        if marks:
-            found[name] = Wanted(marks[0])
-    return found
-
-
-def read_all(entries: Mapping[str, Node], wanted: Mapping[str, Wanted], path: str, notes: Notes) -> list[CatalogValue]:
-    """The stated values of those entries that are wanted, paths prefixed; what fails is noted and left out."""
-    found = []
-    for name, entry in entries.items():
-        if name in wanted:
-            try:
-                found.append(read_stated(entry, wanted[name], f"{path}.{name}" if path else name, notes))
-            except Unreadable:
-                continue
-    return found
-
-
-def read_stated(node: Node, wanted: Wanted, path: str, notes: Notes) -> CatalogValue:
-    """One stated value in SI; raises Unreadable after noting what is wrong."""
-    unit = unit_of(wanted.quantity.dimension)
-    if not isinstance(node.value, dict):
-        return CatalogValue(path, _value(node, wanted, path, notes), unit, "assumed", "given in the rig file")
-    entries = entries_of(node, path, KEYS, notes)
-    for key in ("value", "status"):
-        if key not in entries:
-            raise notes.reject(node.where, path, f"no {key}", f"a mapping with the keys {', '.join(KEYS)}")
-    status = word_of(entries["status"], f"{path}.status", STATUSES, notes)
-    source = word_of(entries["source"], f"{path}.source", (), notes) if "source" in entries else ""
-    value = entries["value"]
-    if "unit" in entries:
-        value = _with_unit(value, entries["unit"], wanted.quantity, path, notes)
-    return CatalogValue(path, _value(value, wanted, path, notes), unit, status, source)
+    return {name: StatedNumber(shape) for name, shape in keys_of(kind).every().items() if isinstance(shape, Quantity)}
 
 
 def write_stated(value: CatalogValue) -> dict[str, Any]:
-    """The mapping that read_stated reads back to the same value."""
+    """The mapping that is read back to the same value."""
     number = list(value.value) if isinstance(value.value, tuple) else value.value
     unit = {"unit": value.unit} if value.unit else {}
     return {"value": number, **unit, "status": value.status, "source": value.source}
 
 
-def _with_unit(node: Node, unit: Node, quantity: Quantity, path: str, notes: Notes) -> Node:
-    word = word_of(unit, f"{path}.unit", (), notes)
-    if word not in UNITS[quantity.dimension]:
-        allowed = ", ".join(known for known in UNITS[quantity.dimension] if known)
-        notes.mistakes.append(Mistake(unit.where, f"{path}.unit", quote(word), allowed))
-        raise Unreadable(path)
+def _with_unit(node: Node, unit: str) -> Node:
+    """The node with a unit beside every plain number in it."""
     if isinstance(node.value, tuple):
-        return Node(node.where, tuple(_with_unit(item, unit, quantity, path, notes) for item in node.value))
+        return Node(node.where, tuple(_with_unit(item, unit) for item in node.value))
     if not isinstance(node.value, int | float) or isinstance(node.value, bool):
         return node
-    text = f"{node.text} {word}"
-    return Node(node.where, text, text)
-
-
-def _value(node: Node, wanted: Wanted, path: str, notes: Notes) -> float | tuple[float, ...] | None:
-    if wanted.form == "maybe" and node.value is None:
-        return None
-    if wanted.form != "many":
-        return float(number(node, wanted.quantity, path, notes))
-    if not isinstance(node.value, tuple) or not node.value:
-        raise notes.reject(node.where, path, describe(node), f"a list of numbers, {wanted.quantity}")
-    return tuple(float(number(item, wanted.quantity, path, notes)) for item in node.value)
+    return Node(node.where, f"{node.text} {unit}", f"{node.text} {unit}")

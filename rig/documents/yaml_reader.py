@@ -14,9 +14,10 @@ from typing import Any
 
 import yaml
 
+from daq.documents.notes import Node, Notes, Scalar, Unreadable
+from daq.documents.shapes import Shape
 from daq.regular_files import open_regular
-from rig.documents.nodes import Node, Scalar
-from rig.errors import InputError, Mistake, quote
+from rig.errors import InputError, Mistake, in_order, quote
 
 MAX_BYTES = 1 << 20
 MAX_NODES = 20000
@@ -59,6 +60,16 @@ def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
     does not raises InputError.
     """
     return _read(text, source, lambda line: f"{source}:{line + 1}", mistakes)
+
+
+def read_document(shape: Shape, root: Node, notes: Notes) -> Any:
+    """The value of a tree as its shape wants it. Raises InputError with every mistake, in the order of the lines."""
+    value = None
+    with suppress(Unreadable):
+        value = shape.read(root, "", notes)
+    if notes.mistakes:
+        raise InputError(*in_order(notes.mistakes))
+    return value
 
 
 def read_value(text: str, place: str) -> Node:

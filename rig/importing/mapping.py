@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from rig.documents.annotations import OneOf
-from rig.documents.decode import Notes, Unreadable, describe, entries_of, fill, grammar, paths_of, value_of, word_of
-from rig.documents.nodes import Node
-from rig.documents.yaml_reader import read_file, read_yaml
-from rig.errors import InputError, in_order
+from daq.documents.grammar import keys_of, paths_of
+from daq.documents.json_schema import document_schema
+from daq.documents.notes import Node, Notes
+from daq.documents.shapes import List, Shape, Then, one_of
+from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.protocol.spec import Scene
 from rig.units import GRAVITY, Quantity
 
@@ -58,7 +58,7 @@ class ForceColumn(Column):
     """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other side. noise: N rms,
     None: from the record."""
 
-    unit: Annotated[str, OneOf(tuple(FORCE_UNITS))] = "N"
+    unit: Annotated[str, one_of(*FORCE_UNITS)] = "N"
     sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
     noise: Annotated[float | None, Quantity("force", 0.0, 1e9)] = None
     range: Annotated[float | None, Quantity("force", 0.0, 1e9, above=True)] = None
@@ -68,7 +68,7 @@ class ForceColumn(Column):
 class AccelerationColumn(Column):
     """Where the acceleration is; noise in m/s^2 rms."""
 
-    unit: Annotated[str, OneOf(tuple(ACCELERATION_UNITS))] = "m/s^2"
+    unit: Annotated[str, one_of(*ACCELERATION_UNITS)] = "m/s^2"
     sensitivity: Annotated[float | None, Quantity("acceleration sensitivity", 0.0, 1e6, above=True)] = None
     noise: Annotated[float | None, Quantity("acceleration", 0.0, 1e9)] = None
     range: Annotated[float | None, Quantity("acceleration", 0.0, 1e9, above=True)] = None
@@ -79,7 +79,7 @@ class TimeColumn:
     """A column of sample times."""
 
     channel: str
-    unit: Annotated[str, OneOf(("s", "ms", "us"))] = "s"
+    unit: Annotated[str, one_of("s", "ms", "us")] = "s"
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Known:
     """
 
     id: str = "c01"
-    bed: Annotated[str, OneOf(("unknown", "empty", "locked", "dashpot", "grains"))] = "unknown"
+    bed: Annotated[str, one_of("unknown", "empty", "locked", "dashpot", "grains")] = "unknown"
     material: str = "not stated"
     density: Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)] = None
     diameter: Annotated[float | None, Quantity("length", 0.0, 0.5, above=True)] = None
@@ -140,7 +140,7 @@ class RecordMap:
     acceleration: AccelerationColumn
     schema: str = SCHEMA
     question: str = ""
-    format: Annotated[str, OneOf(("", *FORMATS))] = ""
+    format: Annotated[str, one_of("", *FORMATS)] = ""
     csv: CsvText = CsvText()
     rate: Annotated[float | None, Quantity("rate", 0.0, 1e9, above=True)] = None
     time: TimeColumn | None = None
@@ -168,55 +168,46 @@ def read_mapping(path: Path) -> LoadedMap:
     """The mapping in a file. Raises InputError with every mistake in it."""
     text = read_file(path)
     notes = Notes(known=tuple(paths_of(RecordMap)))
-    root = read_yaml(text, str(path), notes.mistakes)
-    try:
-        mapping = _read(root, notes)
-    except Unreadable:
-        raise InputError(*in_order(notes.mistakes)) from None
-    if notes.mistakes:
-        raise InputError(*in_order(notes.mistakes))
-    return LoadedMap(mapping, text, path, notes.places)
+    root = _with_common(read_yaml(text, str(path), notes.mistakes))
+    return LoadedMap(read_document(mapping_shape(), root, notes), text, path, notes.places)
 
 
-def _read(root: Node, notes: Notes) -> RecordMap:
-    notes.places[""] = root.where
-    entries = entries_of(root, "", tuple(grammar(RecordMap)), notes)
-    given: dict[str, Any] = {}
-    for key in grammar(RecordMap):
-        try:
-            if key in entries:
-                given[key] = _entry(key, entries, notes)
-            elif key in ("name", "force", "acceleration", "schema"):
-                notes.reject(root.where, key, "nothing", SCHEMA if key == "schema" else f"an entry {key}")
-        except Unreadable:
-            continue
-    if notes.mistakes:
-        raise Unreadable("")
-    mapping = RecordMap(**given)
-    _check(mapping, notes)
-    return mapping
+def mapping_schema() -> dict[str, Any]:
+    """JSON Schema of a mapping file; what hangs on the record itself is left to `rig import`."""
+    return document_schema(mapping_shape(), f"Mapping of a laboratory's own records, {SCHEMA}")
 
 
-def _entry(key: str, entries: Mapping[str, Node], notes: Notes) -> Any:
-    node = entries[key]
-    notes.places[key] = node.where
-    if key == "schema":
-        return word_of(node, key, (SCHEMA,), notes)
-    if key == "time":
-        return fill(TimeColumn, node, key, notes)
-    if key == "scene":
-        return fill(Scene, node, key, notes)
-    if key == "runs":
-        if not isinstance(node.value, tuple):
-            raise notes.reject(node.where, key, describe(node), "a list of mappings with file")
-        common = entries.get("condition")
-        return tuple(fill(RunFile, _with(item, common), f"runs[{n}]", notes) for n, item in enumerate(node.value))
-    return value_of(grammar(RecordMap)[key], node, key, notes)
+def mapping_shape() -> Then:
+    """The shape of a mapping file."""
+    whole = keys_of(RecordMap)
+    schema = one_of(SCHEMA)
+    volts = {"required": ["unit"], "properties": {"unit": {"enum": list(VOLTS)}}}
+    stated = {"required": ["sensitivity"], "properties": {"sensitivity": {"not": {"type": "null"}}}}
+    rule = {"properties": {"sign": {"not": {"const": 0}}}, "if": volts, "then": stated, "else": {"not": stated}}
+    columns = {name: Then(whole.required[name], _check_column, rule) for name in ("force", "acceleration")}
+    others: dict[str, Shape] = {
+        "csv": Then(whole.optional["csv"], _check_csv),
+        "runs": List(keys_of(RunFile), what="mappings with file"),
+    }
+    optional = {key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"}
+    known = replace(whole, required={"schema": schema, **whole.required, **columns}, optional=optional)
+    both = {"required": ["rate", "time"], "properties": {"rate": {"not": {"type": "null"}}}}
+    return Then(known, _check, {"not": both})
 
 
-def _with(run: Node, common: Node | None) -> Node:
-    """A run's node whose condition has what the mapping's own `condition` says and it does not."""
-    if common is None or not isinstance(common.value, dict) or not isinstance(run.value, dict):
+def _with_common(root: Node) -> Node:
+    """The tree whose runs have what the mapping's own `condition` says and they do not."""
+    if not isinstance(root.value, dict) or not {"runs", "condition"} <= root.value.keys():
+        return root
+    runs, common = root.value["runs"], root.value["condition"]
+    if not isinstance(runs.value, tuple):
+        return root
+    merged = Node(runs.where, tuple(_with(run, common) for run in runs.value))
+    return Node(root.where, {**root.value, "runs": merged}, key_places=root.key_places)
+
+
+def _with(run: Node, common: Node) -> Node:
+    if not isinstance(common.value, dict) or not isinstance(run.value, dict):
         return run
     own = run.value.get("condition", Node(run.where, {}))
     if not isinstance(own.value, dict):
@@ -226,16 +217,25 @@ def _with(run: Node, common: Node | None) -> Node:
     return Node(run.where, {**run.value, "condition": merged}, key_places=places)
 
 
-def _check(mapping: RecordMap, notes: Notes) -> None:
-    """What fits each field and does not fit together."""
-    for name, column in (("force", mapping.force), ("acceleration", mapping.acceleration)):
-        if column.sign == 0:
-            notes.reject(notes.place_of(f"{name}.sign"), f"{name}.sign", "0", "1 or -1")
-        if (column.unit in VOLTS) != (column.sensitivity is not None):
-            found = f"the unit {column.unit} {'without' if column.sensitivity is None else 'with'} a sensitivity"
-            allowed = "a sensitivity for V and mV, and for these only"
-            notes.reject(notes.place_of(f"{name}.sensitivity"), f"{name}.sensitivity", found, allowed)
+def _check_column(
+    column: ForceColumn | AccelerationColumn, _node: Node, path: str, notes: Notes
+) -> ForceColumn | AccelerationColumn:
+    if column.sign == 0:
+        notes.reject(notes.place_of(f"{path}.sign"), f"{path}.sign", "0", "1 or -1")
+    if not notes.spoilt(path) and (column.unit in VOLTS) != (column.sensitivity is not None):
+        found = f"the unit {column.unit} {'without' if column.sensitivity is None else 'with'} a sensitivity"
+        allowed = "a sensitivity for V and mV, and for these only"
+        notes.reject(notes.place_of(f"{path}.sensitivity"), f"{path}.sensitivity", found, allowed)
+    return column
+
+
+def _check_csv(csv: CsvText, node: Node, path: str, notes: Notes) -> CsvText:
+    if {len(csv.delimiter), len(csv.decimal)} != {1} or csv.delimiter == csv.decimal:
+        notes.reject(node.where, path, "delimiter and decimal", "one character each, not the same")
+    return csv
+
+
+def _check(mapping: RecordMap, _node: Node, _path: str, notes: Notes) -> RecordMap:
     if mapping.rate is not None and mapping.time is not None:
         notes.reject(notes.place_of("rate"), "rate", "a rate beside a time column", "one of them")
-    if len(mapping.csv.delimiter) != 1 or len(mapping.csv.decimal) != 1 or mapping.csv.delimiter == mapping.csv.decimal:
-        notes.reject(notes.place_of("csv"), "csv", "delimiter and decimal", "one character each, not the same")
+    return mapping

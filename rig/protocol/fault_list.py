@@ -3,36 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from rig.documents.decode import Notes, Unreadable, describe, fill, plain
-from rig.documents.nodes import Node
+from daq.documents.grammar import keys_of
+from daq.documents.notes import Node, Notes
+from daq.documents.shapes import List, Then, plain
 from rig.errors import Mistake
-from rig.protocol.faults import SIZES, Fault
+from rig.protocol.faults import SIZES, Fault, Kind
 
 if TYPE_CHECKING:
     from rig.protocol.spec import Condition, Protocol
 
+FAULT_KINDS = get_args(Kind)
 
-def read_faults(node: Node, notes: Notes) -> tuple[Fault, ...]:
-    """The faults of a list node; what is wrong with one is noted and the rest is read."""
-    if not isinstance(node.value, tuple):
-        raise notes.reject(node.where, "faults", describe(node), "a list of faults")
-    found = []
-    for number, item in enumerate(node.value, start=1):
-        path = f"faults[{number}]"
-        try:
-            fault = fill(Fault, item, path, notes)
-        except Unreadable:
-            continue
-        _check_size(fault, item, path, notes)
-        found.append(fault)
-    return tuple(found)
+
+def faults_shape() -> List:
+    """The shape of `faults`."""
+    return List(Then(keys_of(Fault), _check_size, {"allOf": [_rule(kind) for kind in FAULT_KINDS]}), what="faults")
 
 
 def plain_faults(faults: Iterable[Fault]) -> list[dict[str, Any]]:
-    """The faults as plain data that read_faults takes back; what is left out stays out."""
-    every = (plain(Fault, fault) for fault in faults)
+    """The faults as plain data that are read back; what is left out stays out."""
+    every = (plain(keys_of(Fault), fault) for fault in faults)
     return [{name: value for name, value in fault.items() if value is not None} for fault in every]
 
 
@@ -55,15 +47,24 @@ def misplaced(protocol: Protocol, conditions: Sequence[Condition], notes: Notes)
     return found
 
 
-def _check_size(fault: Fault, node: Node, path: str, notes: Notes) -> None:
+def _check_size(fault: Fault, node: Node, path: str, notes: Notes) -> Fault:
     """Note a size that the kind of fault does not have, lacks or cannot take."""
     full, quantity = f"{path}.size", SIZES.get(fault.kind)
     entry = node.value.get("size", node) if isinstance(node.value, dict) else node
     if full in notes.failed:
-        return
+        return fault
     if quantity is None:
         if fault.size:
             notes.reject(entry.where, full, f"{fault.size:g}", f"no size: {fault.kind} has none")
-    elif not fault.size or not quantity.holds(fault.size) or (fault.kind == "clock_slip" and fault.size % 1):
-        what = "whole samples" if fault.kind == "clock_slip" else "not 0"
+    elif not fault.size or not quantity.holds(fault.size) or (quantity.whole and fault.size % 1):
+        what = "whole samples" if quantity.whole else "not 0"
         notes.reject(entry.where, full, f"{fault.size:g}", f"{quantity.range()}, {what}, for {fault.kind}")
+    return fault
+
+
+def _rule(kind: str) -> dict[str, Any]:
+    """What `_check_size` notes, as JSON Schema."""
+    then: dict[str, Any] = {"properties": {"size": {"enum": [0, "0"]}}}
+    if kind in SIZES:
+        then = {"properties": {"size": {**SIZES[kind].schema({}), "not": {"const": 0}}}, "required": ["size"]}
+    return {"if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}, "then": then}

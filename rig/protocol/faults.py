@@ -18,7 +18,7 @@ SIZES = {
     "drift": Quantity("number", -2.0, 2.0),
     "noise": Quantity("number", 0.0, 1.0, above=True),
     "gain_step": Quantity("number", -1.0, 10.0),
-    "clock_slip": Quantity("number", 1, 1000),
+    "clock_slip": Quantity("number", 1, 1000, whole=True),
 }
 """What `size` is of each kind: a share of the range, a relative change, whole samples. Other kinds have none."""
 

@@ -9,15 +9,16 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from rig.documents.decode import Notes, Unreadable, grammar, plain, value_of
-from rig.documents.nodes import node_of
+from daq.documents.grammar import keys_of
+from daq.documents.notes import Notes, Unreadable, node_of
+from daq.documents.shapes import Shape, plain
 from rig.errors import InputError, Mistake, in_order
-from rig.protocol.claims import plain_expect, read_expect
-from rig.protocol.fault_list import plain_faults, read_faults
+from rig.protocol.claims import expect_shape, plain_expect
+from rig.protocol.fault_list import faults_shape, plain_faults
 from rig.protocol.feasibility import conflicts, misfits, unfit
 from rig.protocol.seed_keys import seed_key
 from rig.protocol.spec import Acquire, Condition, Drive, Protocol, Scene
-from rig.protocol.vary import plain_axes, read_axes
+from rig.protocol.vary import Axes, axes_shape, plain_axes
 
 if TYPE_CHECKING:
     from rig.catalog.entries import Material
@@ -48,18 +49,17 @@ def conditions(protocol: Protocol) -> tuple[Condition, ...]:
 
 def verify(protocol: Protocol) -> None:
     """Check a protocol that was built in Python: InputError for every value that a file could not hold."""
+    whole = keys_of(Protocol).every()
+    written: dict[str, tuple[Shape, Any]] = {
+        name: (whole[name], plain(whole[name], getattr(protocol, name))) for name in CHECKED
+    }
+    written["vary"] = axes_shape(Axes()), plain_axes(protocol.vary)
+    written["expect"] = expect_shape(), [plain_expect(claim) for claim in protocol.expect]
+    written["faults"] = faults_shape(), plain_faults(protocol.faults)
     notes = Notes()
-    for name in CHECKED:
-        annotation = grammar(Protocol)[name]
-        try:
-            value_of(annotation, node_of(plain(annotation, getattr(protocol, name))), name, notes)
-        except Unreadable:
-            continue
-    read_axes(node_of(plain_axes(protocol.vary)), notes)
-    with suppress(Unreadable):
-        read_expect(node_of([plain_expect(claim) for claim in protocol.expect]), notes)
-    with suppress(Unreadable):
-        read_faults(node_of(plain_faults(protocol.faults)), notes)
+    for name, (shape, value) in written.items():
+        with suppress(Unreadable):
+            shape.read(node_of(value), name, notes)
     if notes.mistakes:
         raise InputError(*notes.mistakes)
 

@@ -4,30 +4,31 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from daq.documents.grammar import keys_of, paths_of
+from daq.documents.notes import Node, Notes, Unreadable
+from daq.documents.shapes import Keys, Shape, Text, Then, one_of, plain
 from rig.catalog.entries_by_name import HERE
 from rig.catalog.rig_file import is_path, rig_path
-from rig.documents.decode import Notes, Unreadable, describe, entries_of, grammar, paths_of, plain, value_of, word_of
-from rig.documents.nodes import Node
 from rig.documents.yaml_reader import read_file, read_yaml
 from rig.documents.yaml_writer import write_yaml
 from rig.errors import InputError, Mistake, in_order, quote
 from rig.protocol import shipped
-from rig.protocol.claims import plain_expect, read_expect
+from rig.protocol.claims import expect_shape, plain_expect
 from rig.protocol.deliberate_errors import BadPractice
-from rig.protocol.fault_list import misplaced, plain_faults, read_faults
+from rig.protocol.fault_list import faults_shape, misplaced, plain_faults
 from rig.protocol.grid import Row, expand
 from rig.protocol.overrides import edited
-from rig.protocol.spec import SCHEMA, Acquire, Drive, Protocol, Repeats, Scene
-from rig.protocol.vary import Axes, plain_axes, read_axes
+from rig.protocol.spec import SCHEMA, Protocol, Repeats
+from rig.protocol.vary import PARTS, Axes, axes_shape, plain_axes
 
-PARTS: Mapping[str, type] = {"scene": Scene, "drive": Drive, "acquire": Acquire}
-REQUIRED = {"schema": SCHEMA, "name": "a name for the experiment"}
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
+_NAMING = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
 
 
 @dataclass(frozen=True)
@@ -81,9 +82,9 @@ def dump_protocol(protocol: Protocol) -> str:
     """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal protocol."""
     data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
     data["question"] = protocol.question
-    data |= {name: plain(kind, getattr(protocol, name)) for name, kind in PARTS.items()}
+    data |= {name: plain(keys_of(Protocol).every()[name], getattr(protocol, name)) for name in PARTS}
     data["vary"] = plain_axes(protocol.vary)
-    data["repeats"] = plain(Repeats, protocol.repeats)
+    data["repeats"] = plain(keys_of(Repeats), protocol.repeats)
     data |= {
         "seed": protocol.seed,
         "faults": plain_faults(protocol.faults),
@@ -93,7 +94,7 @@ def dump_protocol(protocol: Protocol) -> str:
         data["fidelity"] = protocol.fidelity
     if protocol.tolerance is not None:
         data["tolerance"] = protocol.tolerance
-    made = plain(BadPractice, protocol.mistake)
+    made = plain(keys_of(BadPractice), protocol.mistake)
     if protocol.mistake.kinds:
         data["mistake"] = {kind: made[kind] for kind in protocol.mistake.kinds}
     return write_yaml(data)
@@ -104,25 +105,31 @@ def protocol_template() -> str:
     return read_file(HERE / "templates" / "protocol.yaml")
 
 
+def protocol_shape(folder: Path, axes: Axes) -> Keys:
+    """The shape of a protocol file in a folder; the axes of its grid are added to `axes`."""
+    whole = keys_of(Protocol)
+    others: dict[str, Shape] = {
+        "rig": Then(Text(as_written=True), partial(_rig, folder)),
+        "vary": axes_shape(axes),
+        "repeats": replace(keys_of(Repeats), alone=("n",)),
+        "faults": faults_shape(),
+        "expect": expect_shape(),
+    }
+    name = Text(pattern=NAME.pattern, allowed=_NAMING, as_written=True)
+    return replace(
+        whole,
+        required={"name": name, "schema": one_of(SCHEMA)},
+        optional={key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"},
+        standing_in={"name": "", "schema": ""},
+    )
+
+
 def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
     axes = Axes()
-    notes.places[""] = root.where
     try:
-        entries = entries_of(root, "", tuple(grammar(Protocol)), notes)
+        protocol: Protocol = protocol_shape(folder, axes).read(root, "", notes)
     except Unreadable:
         raise InputError(*in_order(notes.mistakes)) from None
-    given: dict[str, Any] = {}
-    for key in grammar(Protocol):
-        try:
-            if key == "vary" and key in entries:
-                axes = read_axes(entries[key], notes)
-            elif key in entries:
-                given[key] = _entry(key, entries[key], folder, notes)
-            elif key in REQUIRED:
-                notes.reject(root.where, key, "nothing", REQUIRED[key])
-        except Unreadable:
-            continue
-    protocol = Protocol(**{"name": "", "vary": tuple(axes.axes), **given})
 
     def place(path: str, rows: Row) -> str:
         for axis_path, row in rows.items():
@@ -146,37 +153,14 @@ def _spread(failed: set[str]) -> frozenset[str]:
     return frozenset(failed.union(below))
 
 
-def _entry(key: str, node: Node, folder: Path, notes: Notes) -> Any:
-    """The value of one top-level key."""
-    notes.places[key] = node.where
-    if key == "schema":
-        return word_of(node, key, (SCHEMA,), notes)
-    if key == "name":
-        name = word_of(node, key, (), notes)
-        if not NAME.fullmatch(name):
-            allowed = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
-            raise notes.reject(node.where, key, describe(node), allowed)
-        return name
-    if key == "rig":
-        return _rig(node, folder, notes)
-    if key == "repeats" and isinstance(node.value, int):
-        return Repeats(value_of(grammar(Repeats)["n"], node, key, notes))
-    if key == "faults":
-        return read_faults(node, notes)
-    if key == "expect":
-        return read_expect(node, notes)
-    return value_of(grammar(Protocol)[key], node, key, notes)
-
-
-def _rig(node: Node, folder: Path, notes: Notes) -> str:
+def _rig(folder: Path, name: str, node: Node, path: str, notes: Notes) -> str:
     """The rig's name; a path is taken from the protocol's own folder."""
-    name = word_of(node, "rig", (), notes)
     if is_path(name):
         name = str(folder / name)
     try:
         rig_path(name)
     except InputError as error:
         for mistake in error.mistakes:
-            notes.reject(node.where, "rig", mistake.found, mistake.allowed, mistake.hint)
-        raise Unreadable("rig") from None
+            notes.reject(node.where, path, mistake.found, mistake.allowed, mistake.hint)
+        raise Unreadable(path) from None
     return name

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rig.documents.decode import describe
-from rig.documents.nodes import Node
+from daq.documents.notes import Node, describe
 from rig.documents.yaml_reader import read_value
 from rig.errors import InputError, Mistake, quote
 from rig.protocol.vary import ZIP

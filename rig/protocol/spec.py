@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
-from rig.documents.annotations import OneOf
+from daq.documents.shapes import one_of, some_of
 from rig.protocol.deliberate_errors import NO_MISTAKE, BadPractice
 from rig.protocol.faults import Fault
 from rig.units import Quantity
@@ -97,8 +97,8 @@ class Scene:
     cavity: Cavity = Cavity()
     axis: Axis = "horizontal"
     grains: Grains = Grains()
-    bed: Annotated[str, OneOf(BEDS)] = "layers"
-    losses: Annotated[tuple[str, ...], OneOf(LOSSES)] = ("noise", "air")
+    bed: Annotated[str, one_of(*BEDS)] = "layers"
+    losses: Annotated[tuple[str, ...], some_of(*LOSSES)] = ("noise", "air")
     support: Support = "none"
     layers: Layers = Layers()
     slug: Slug = Slug()
@@ -193,7 +193,7 @@ class Acquire:
     exciter_channels: bool = False
     coupling: Coupling = Coupling()
     ranges: Ranges = Ranges()
-    effects: Annotated[tuple[str, ...], OneOf(EFFECTS)] = ()
+    effects: Annotated[tuple[str, ...], some_of(*EFFECTS)] = ()
     trigger: Trigger = Trigger()
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from typing import Any
 
-from rig.documents.decode import Notes, Unreadable, annotation_at, describe, paths_of, plain, value_of
-from rig.documents.nodes import Node
-from rig.errors import nearest, quote
+from daq.documents.grammar import paths_of, shape_at
+from daq.documents.notes import Node, Notes
+from daq.documents.shapes import Keys, List, Then, plain
 from rig.protocol.spec import Protocol, Vary
 
 PARTS = ("scene", "drive", "acquire")
 ZIP = re.compile(r"zip(\.\w+)?")
 """The keys of `vary` that hold paths which vary together; several groups read zip, zip.2, zip.ends and so on."""
+
+NAMES = f"the path of a field under {', '.join(PARTS)}, such as scene.grains.fill"
 
 
 @dataclass
@@ -25,30 +28,51 @@ class Axes:
     places: dict[str, list[str]] = field(default_factory=dict)
 
 
-def read_axes(node: Node, notes: Notes) -> Axes:
-    """Every axis in the order written; what cannot be read is noted, its paths as failed, and left out."""
-    if not isinstance(node.value, dict):
-        raise notes.reject(node.where, "vary", describe(node), "a mapping of paths to lists of values")
-    axes = Axes()
-    for key, entry in node.value.items():
-        if not ZIP.fullmatch(key):
-            _read_axis({key: entry}, node.key_places, "vary", notes, axes)
-        elif not isinstance(entry.value, dict) or not entry.value:
-            notes.reject(entry.where, f"vary.{key}", describe(entry), "a mapping of paths to lists of equal length")
-        else:
-            _read_axis(entry.value, entry.key_places, f"vary.{key}", notes, axes)
-    return axes
+@dataclass(frozen=True)
+class Field:
+    """A value of the protocol's field at a path."""
+
+    path: str
+
+    def read(self, node: Any, path: str, notes: Notes) -> Any:
+        """As the field is read."""
+        shape = shape_at(Protocol, self.path)
+        assert shape is not None
+        return shape.read(node, path, notes)
+
+    def schema(self, _kinds: dict[str, Any]) -> dict[str, Any]:
+        """A reference to the field's own schema."""
+        owner, _, name = self.path.rpartition(".")
+        group = shape_at(Protocol, owner) if owner else None
+        if not isinstance(group, Keys):
+            return {"$ref": f"#/properties/{name}"}
+        return {"$ref": f"#/$defs/{getattr(group.kind, '__name__', '')}/properties/{name}"}
+
+
+def axes_shape(axes: Axes) -> Then:
+    """The shape of `vary`, read into a tuple of axes, which are added to `axes` with the places of their values."""
+    told = "The grid: every combination of the values, the last axis fastest."
+    return Then(_lists(), partial(_read_axes, axes), {"description": told, "default": {}})
+
+
+@cache
+def _lists() -> Keys:
+    lists: dict[str, Any] = {
+        path: List(Field(path), least=1, what="one or more values")
+        for path in paths_of(Protocol)
+        if path.partition(".")[0] in PARTS
+    }
+    together = Keys({}, lists, closed=True, names=NAMES, what="a mapping of paths to lists of equal length")
+    groups = {ZIP.pattern: Then(together, _not_empty, {"minProperties": 1})}
+    return replace(together, groups=groups, what="a mapping of paths to lists of values")
 
 
 def plain_axes(axes: Iterable[Vary]) -> dict[str, Any]:
-    """The axes as plain data that read_axes takes back in the same order."""
+    """The axes as plain data that are read back in the same order."""
     data: dict[str, Any] = {}
     groups = 0
     for axis in axes:
-        lists: dict[str, Any] = {
-            path: [plain(annotation_at(Protocol, path), row[column]) for row in axis.rows]
-            for column, path in enumerate(axis.paths)
-        }
+        lists = {path: plain_values(path, (row[n] for row in axis.rows)) for n, path in enumerate(axis.paths)}
         if len(lists) == 1:
             data |= lists
         else:
@@ -57,17 +81,42 @@ def plain_axes(axes: Iterable[Vary]) -> dict[str, Any]:
     return data
 
 
-def _read_axis(lists: Mapping[str, Node], key_places: Mapping[str, str], owner: str, notes: Notes, axes: Axes) -> None:
-    columns: dict[str, list[Any]] = {}
-    for path, node in lists.items():
-        full = f"{owner}.{path}"
-        try:
-            annotation = _annotation(path, key_places[path], full, [*axes.places, *columns], notes)
-            if not isinstance(node.value, tuple) or not node.value:
-                raise notes.reject(node.where, full, describe(node), "a list of one or more values")
-            columns[path] = _values(annotation, node.value, full, notes)
-        except Unreadable:
-            notes.failed.add(path)
+def plain_values(path: str, values: Iterable[Any]) -> list[Any]:
+    """Values of a field as plain data."""
+    shape = shape_at(Protocol, path)
+    return [value if shape is None else plain(shape, value) for value in values]
+
+
+def _not_empty(lists: Mapping[str, Any], node: Node, path: str, notes: Notes) -> Mapping[str, Any]:
+    if not node.value:
+        raise notes.refuse(node, path, "a mapping of paths to lists of equal length")
+    return lists
+
+
+def _read_axes(axes: Axes, values: Mapping[str, Any], node: Node, path: str, notes: Notes) -> tuple[Vary, ...]:
+    """Every axis in the order written; what does not fit together is noted, its paths as failed, and left out."""
+    assert isinstance(node.value, dict)
+    for key, entry in node.value.items():
+        if not ZIP.fullmatch(key):
+            _add({key: entry}, {key: values[key]} if key in values else {}, node.key_places, path, notes, axes)
+        elif isinstance(entry.value, dict) and key in values:
+            _add(entry.value, values[key], entry.key_places, f"{path}.{key}", notes, axes)
+    return tuple(axes.axes)
+
+
+def _add(
+    lists: Mapping[str, Node], columns: Mapping[str, tuple[Any, ...]], key_places: Mapping[str, str], owner: str,
+    notes: Notes, axes: Axes,
+) -> None:  # fmt: skip
+    notes.failed.update(lists.keys() - columns.keys())
+    seen = list(axes.places)
+    for path in columns:
+        for other in seen:
+            if f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}."):
+                found = f"{path} beside {other}"
+                notes.reject(key_places[path], f"{owner}.{path}", found, "every field in one axis only")
+                notes.failed.add(path)
+        seen.append(path)
     if len({len(values) for values in columns.values()}) > 1:
         found = ", ".join(f"{len(values)} values of {path}" for path, values in columns.items())
         notes.reject(key_places[next(iter(columns))], owner, found, "lists of equal length")
@@ -76,29 +125,3 @@ def _read_axis(lists: Mapping[str, Node], key_places: Mapping[str, str], owner: 
         axes.axes.append(Vary(tuple(columns), tuple(zip(*columns.values(), strict=True))))
         for path, node in lists.items():
             axes.places[path] = [item.where for item in node.value] if isinstance(node.value, tuple) else []
-
-
-def _annotation(path: str, place: str, full: str, others: list[str], notes: Notes) -> Any:
-    known = [known for known in paths_of(Protocol) if known.partition(".")[0] in PARTS]
-    if path not in known:
-        allowed = f"the path of a field under {', '.join(PARTS)}, such as scene.grains.fill"
-        raise notes.reject(place, full, f"the key {quote(path)}", allowed, nearest(path, known))
-    for other in others:
-        if f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}."):
-            raise notes.reject(place, full, f"{path} beside {other}", "every field in one axis only")
-    return annotation_at(Protocol, path)
-
-
-def _values(annotation: Any, items: tuple[Node, ...], full: str, notes: Notes) -> list[Any]:
-    """The values of one path; raises Unreadable after noting the mistakes in any of them."""
-    inner = Notes()
-    values = []
-    for item in items:
-        try:
-            values.append(value_of(annotation, item, full, inner))
-        except Unreadable:
-            continue
-    notes.mistakes += inner.mistakes
-    if inner.mistakes:
-        raise Unreadable(full)
-    return values

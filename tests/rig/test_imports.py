@@ -17,7 +17,7 @@ ALLOWED = {
         "analysis", "daq.caches", "daq.chain.block", "daq.chain.channel", "daq.child_processes", "daq.documents",
         "daq.indented", "daq.session", "daq.strange_text", "daq.whole_files", "numpy", "numba", "scipy", "matplotlib",
     ),
-    "rig.documents": ("rig.documents", "rig.errors", "rig.units", "daq.regular_files", "yaml"),
+    "rig.documents": ("rig.documents", "rig.errors", "daq.documents", "daq.regular_files", "yaml"),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.beds": (

@@ -349,7 +349,7 @@ BAD_MAPS = {
     "schema": ("schema: rig/map/9\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\n", ":1: schema",
                "rig/map/1"),
     "runs": ("schema: rig/map/1\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\nruns: [{fil: b.csv}]\n",
-             ":5: runs[0].fil", "did you mean 'file'"),
+             ":5: runs[1].fil", "did you mean 'file'"),
 }  # fmt: skip
 
 

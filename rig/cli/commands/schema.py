@@ -32,7 +32,7 @@ def schema_of(kind: str) -> Mapping[str, Any]:
 
         return protocol_schema()
     if kind == "map":
-        from rig.importing.json_schema import mapping_schema
+        from rig.importing.mapping import mapping_schema
 
         return mapping_schema()
     from analysis.report.json_schema import comparison_schema, report_schema

@@ -12,10 +12,10 @@ from daq.chain.channel import LISTED_RATES
 from rig.catalog.entries import STATUSES, Exciter, Rig
 from rig.catalog.entries_by_name import analyzer, exciter, material, names, transducer
 from rig.catalog.rig_file import RANGES, dump_rig, load_rig, rig_with_losses
-from rig.catalog.stated_values import wanted_by
+from rig.catalog.stated_values import stated_fields
 from rig.catalog.table import listing
-from rig.documents.decode import SMALLEST
 from rig.errors import InputError
+from rig.units import SMALLEST
 
 
 def mistakes_of(text: str, tmp_path: Path) -> list[str]:
@@ -35,7 +35,11 @@ def test_every_number_has_an_origin() -> None:
 
 def test_the_default_rig_states_every_number_it_holds() -> None:
     rig = load_rig()
-    wanted = {*wanted_by(Rig), *(f"ranges.{key}" for key in RANGES), *(f"exciter.{key}" for key in wanted_by(Exciter))}
+    wanted = {
+        *stated_fields(Rig),
+        *(f"ranges.{key}" for key in RANGES),
+        *(f"exciter.{key}" for key in stated_fields(Exciter)),
+    }
     assert {value.path for value in rig.values} == wanted
     for value in rig.values:
         owner, _, name = value.path.rpartition(".")
@@ -183,6 +187,7 @@ def test_every_mistake_of_a_rig_file_at_once(tmp_path: Path) -> None:
         "mine.yaml:4: wall_density.unit",
         "mine.yaml:5: grain_friction.status",
         "mine.yaml:6: restitution_wall",
+        "mine.yaml:7: packing_loose",
         "mine.yaml:8: ranges.forse",
         "mine.yaml:9: exciter",
     ]

@@ -5,11 +5,10 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from rig.documents.decode import paths_of
+from daq.documents.grammar import paths_of
 from rig.documents.yaml_reader import read_yaml
 from rig.errors import InputError
-from rig.importing.json_schema import mapping_schema
-from rig.importing.mapping import RecordMap, read_mapping
+from rig.importing.mapping import RecordMap, mapping_schema, read_mapping
 
 ROOT = Path(__file__).parents[3]
 SCHEMA = Draft202012Validator(mapping_schema())

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from daq.documents.notes import MOST_MISTAKES
 from rig.documents import yaml_reader as reader
-from rig.errors import MOST_MISTAKES, InputError
+from rig.errors import InputError
 from rig.protocol.load import load_protocol, protocol_template
 
 LEAST = "schema: rig/protocol/1\nname: least\n"

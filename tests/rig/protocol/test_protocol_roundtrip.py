@@ -10,7 +10,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rig.catalog.entries_by_name import names, sensors_for
-from rig.documents.decode import SMALLEST
 from rig.documents.yaml_writer import write_text, write_yaml
 from rig.errors import InputError
 from rig.protocol.claims import KINDS
@@ -34,6 +33,7 @@ from rig.protocol.spec import (
     Slug,
     Vary,
 )
+from rig.units import SMALLEST
 
 
 def sizes(least: float, most: float, **ends: bool) -> st.SearchStrategy[float]:
