@@ -41,7 +41,7 @@ SHAPE = Keys({
 
 @dataclass(frozen=True)
 class FlaggedBlock:
-    """Samples start..start + count of a record with quality bits (daq.chain.block.Flag) by channel."""
+    """Samples start..start + count; flags: their quality bits (daq.chain.block.Flag) by channel."""
 
     start: int
     count: int

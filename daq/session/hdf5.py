@@ -79,7 +79,7 @@ def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
 
 
 def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
-    """Create attributes: text as fixed-length UTF-8, lists of text as arrays of it, int64, float64."""
+    """Create attributes: text as fixed-length UTF-8, lists of text as its arrays, int64, float64."""
     for name, value in values.items():
         encoded: npt.NDArray[Any]
         if isinstance(value, int):
@@ -103,7 +103,7 @@ def text(owner: Any, name: str, value: str) -> None:
 
 
 def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
-    """Create a fixed-size dataset and allocate its space. Tables (chunk = 0) are filled with zeros."""
+    """Create a fixed-size dataset with allocated space. Tables (chunk = 0) are filled with zeros."""
     return h5d.create(
         owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), _array_layout(chunk)
     )
@@ -266,7 +266,7 @@ class RowWriter:
 
 
 def read_text(source: Any) -> str:
-    """Return the value of a scalar text dataset of fixed length. Raises ValueError for any other."""
+    """Return the value of a scalar text dataset of fixed length. Raises ValueError for others."""
     kind = source.get_type()
     if source.shape != () or kind.get_class() != h5t.STRING or kind.is_variable_str():
         raise ValueError("a dataset that is no text of fixed length")

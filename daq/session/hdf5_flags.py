@@ -100,7 +100,7 @@ class Unmarked(io.FileIO):
             raise
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        """Read bytes from the current position on, those of the superblock with the flags cleared."""
+        """Read bytes from the current position, those of the superblock with the flags cleared."""
         start = self.tell()
         count = super().readinto(buffer) or 0
         if start < len(self._head):

@@ -137,7 +137,7 @@ def block_dtype(channels: int) -> np.dtype[np.void]:
 
 
 def run_info(plan: RunPlan, status: Any) -> RunInfo:
-    """Return the state of a run, from its plan (with its own rate) and its row of the status table."""
+    """Return the state of a run from its plan (with its own rate) and its status row."""
     return RunInfo(
         name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
         samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),

@@ -1,4 +1,6 @@
-"""Rig files: everything about the stand that a protocol does not say, read strictly and written back unchanged."""
+"""Rig files: everything about the stand that a protocol does not state, read strictly and written
+back unchanged.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +28,17 @@ _PRESET = "preset"
 
 
 def rig_names() -> tuple[str, ...]:
-    """The rigs that the catalog holds."""
+    """Return the names of the catalog's rigs."""
     return tuple(sorted(path.stem for path in (HERE / "rigs").glob("*.yaml")))
 
 
 def is_path(name: str) -> bool:
-    """Whether a rig is named by its file and not by its catalog name."""
+    """Return whether a rig is given by its file and not by its catalog name."""
     return "/" in name or "\\" in name or name.endswith((".yaml", ".yml"))
 
 
 def rig_path(name: str | Path) -> Path:
-    """The file of a rig; InputError where it does not exist."""
+    """Return the file of a rig. Raises InputError where it does not exist."""
     named_by_file = isinstance(name, Path) or is_path(name)
     path = Path(name) if named_by_file else HERE / "rigs" / f"{name}.yaml"
     if not (os.path.isfile(path) if named_by_file else name in rig_names()):
@@ -47,7 +49,8 @@ def rig_path(name: str | Path) -> Path:
 
 
 def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
-    """A rig from the catalog or from a file; values that a file leaves out are those of the default rig.
+    """Return a rig from the catalog or from a file; values missing in a file are those of the
+    default rig.
 
     Raises InputError with every mistake of the file.
     """
@@ -64,19 +67,21 @@ def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
 
 
 def rig_with_losses(rig: Rig, noise: float, air: float, provenance: Mapping[str, Any]) -> Rig:
-    """The rig with identified loss coefficients: `noise` in N s/m, `air` in N s^2/m^2, and how they were found."""
+    """Return the rig with identified loss coefficients, `noise` in N s/m and `air` in N s^2/m^2,
+    and their provenance.
+    """
     found = {"loss_noise": noise, "loss_air": air}
-    values = tuple(
-        replace(value, value=found[value.path], status="computed", source="rig calibrate, see provenance")
-        if value.path in found
-        else value
-        for value in rig.values
-    )
-    return replace(rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=values)
+    values = []
+    for value in rig.values:
+        if value.path in found:
+            origin = "rig calibrate, see provenance"
+            value = replace(value, value=found[value.path], status="computed", source=origin)
+        values.append(value)
+    return replace(rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=tuple(values))
 
 
 def dump_rig(rig: Rig) -> str:
-    """The text of a rig file that load_rig reads back to an equal rig."""
+    """Return the text of a rig file that load_rig reads back to an equal rig."""
     origins = {value.path: value for value in rig.values}
 
     def stated(owner: str, thing: object, path: str) -> dict[str, Any]:
@@ -85,6 +90,7 @@ def dump_rig(rig: Rig) -> str:
 
     parts: dict[str, Any] = {_PRESET: rig.exciter.name}
     parts |= {path: stated("exciter.", rig.exciter, path) for path in wanted_by(Exciter)}
+    # An exciter equal to the catalog's is written by its name alone.
     preset = rig.exciter.name in names("exciter") and _preset_values(rig.exciter.name) == {
         path: origins[path] for path in origins if path.startswith("exciter.")
     }
@@ -96,18 +102,25 @@ def dump_rig(rig: Rig) -> str:
 
 
 def _rig(root: Node, base: Rig | None, notes: Notes) -> Rig:
+    """Return the rig of a file's root node, with the values of `base` where the file has none;
+    mistakes are noted.
+    """
     wanted = wanted_by(Rig)
     entries = entries_of(root, "", ("schema", "name", "exciter", *wanted, "ranges", "provenance"), notes)
     _check_schema(root, entries, notes)
+    # Later entries replace earlier ones: the default rig, the file, the file's ranges, its exciter.
     values = {value.path: value for value in base.values} if base else {}
     values |= {value.path: value for value in read_all(entries, wanted, "", notes)}
     if "ranges" in entries:
         limits = entries_of(entries["ranges"], "ranges", RANGES, notes)
         values |= {value.path: value for value in read_all(limits, dict.fromkeys(RANGES, _VOLTS), "ranges", notes)}
-    name = word_of(entries["name"], "name", (), notes) if "name" in entries else base.name if base else DEFAULT
+    name = base.name if base else DEFAULT
+    if "name" in entries:
+        name = word_of(entries["name"], "name", (), notes)
     preset, exciter_values = _exciter(entries.get("exciter"), base, values, notes)
     values |= exciter_values
     _check_packing(root, entries, values, notes)
+    # The listing has one order, whatever the order in the file.
     order = [*wanted, *(f"ranges.{key}" for key in RANGES), *(f"exciter.{key}" for key in wanted_by(Exciter))]
     number: dict[str, Any] = {path: value.value for path, value in values.items()}
     return Rig(
@@ -121,6 +134,7 @@ def _rig(root: Node, base: Rig | None, notes: Notes) -> Rig:
 
 
 def _preset_values(name: str) -> dict[str, CatalogValue]:
+    """Return the stated values of a catalog exciter, by their paths in a rig file."""
     stated = entry_of("exciter", name).values
     return {f"exciter.{value.path}": replace(value, path=f"exciter.{value.path}") for value in stated}
 
@@ -128,7 +142,9 @@ def _preset_values(name: str) -> dict[str, CatalogValue]:
 def _exciter(
     node: Node | None, base: Rig | None, values: Mapping[str, CatalogValue], notes: Notes
 ) -> tuple[str, dict[str, CatalogValue]]:
-    """The exciter's name and stated values: a catalog name, or a preset with some values of its own."""
+    """Return the exciter's name and stated values: a catalog name, or a preset with some values
+    replaced.
+    """
     if node is None:
         name = base.exciter.name if base else names("exciter")[0]
         return name, {path: value for path, value in values.items() if path.startswith("exciter.")}

@@ -1,4 +1,6 @@
-"""Numbers that state their origin: `{value, unit, status, source}`, or a plain quantity in a user's own rig file."""
+"""Numbers that state their origin: `{value, unit, status, source}`, or a plain quantity in a user's
+own rig file.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,10 @@ KEYS = ("value", "unit", "status", "source")
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a catalog field holds: one number, one or null ("maybe"), or a list of them ("many"). A field that is not
-    `needed` may be left out."""
+    """The form of a catalog field: one number, one or null ("maybe"), or a list of them ("many").
+
+    A field that is not `needed` may be left out.
+    """
 
     quantity: Quantity
     form: Literal["one", "maybe", "many"] = "one"
@@ -26,7 +30,7 @@ class Wanted:
 
 
 def wanted_by(kind: type) -> dict[str, Wanted]:
-    """The number fields of a catalog dataclass."""
+    """Return the number fields of a catalog dataclass."""
     found = {}
     for name, annotation in grammar(kind).items():
         marks = [extra for extra in get_args(annotation) if isinstance(extra, Quantity)]
@@ -36,7 +40,9 @@ def wanted_by(kind: type) -> dict[str, Wanted]:
 
 
 def read_all(entries: Mapping[str, Node], wanted: Mapping[str, Wanted], path: str, notes: Notes) -> list[CatalogValue]:
-    """The stated values of those entries that are wanted, paths prefixed; what fails is noted and left out."""
+    """Return the stated values of the wanted entries, paths prefixed by `path`; entries with
+    mistakes are noted and left out.
+    """
     found = []
     for name, entry in entries.items():
         if name in wanted:
@@ -48,7 +54,7 @@ def read_all(entries: Mapping[str, Node], wanted: Mapping[str, Wanted], path: st
 
 
 def read_stated(node: Node, wanted: Wanted, path: str, notes: Notes) -> CatalogValue:
-    """One stated value in SI; raises Unreadable after noting what is wrong."""
+    """Return one stated value in SI. Raises Unreadable after noting the mistake."""
     unit = unit_of(wanted.quantity.dimension)
     if not isinstance(node.value, dict):
         return CatalogValue(path, _value(node, wanted, path, notes), unit, "assumed", "given in the rig file")
@@ -65,13 +71,14 @@ def read_stated(node: Node, wanted: Wanted, path: str, notes: Notes) -> CatalogV
 
 
 def write_stated(value: CatalogValue) -> dict[str, Any]:
-    """The mapping that read_stated reads back to the same value."""
+    """Return the mapping that read_stated reads back to the same value."""
     number = list(value.value) if isinstance(value.value, tuple) else value.value
     unit = {"unit": value.unit} if value.unit else {}
     return {"value": number, **unit, "status": value.status, "source": value.source}
 
 
 def _with_unit(node: Node, unit: Node, quantity: Quantity, path: str, notes: Notes) -> Node:
+    """Return the node of a number with its unit appended, as one quantity in words."""
     word = word_of(unit, f"{path}.unit", (), notes)
     if word not in UNITS[quantity.dimension]:
         allowed = ", ".join(known for known in UNITS[quantity.dimension] if known)
@@ -86,6 +93,7 @@ def _with_unit(node: Node, unit: Node, quantity: Quantity, path: str, notes: Not
 
 
 def _value(node: Node, wanted: Wanted, path: str, notes: Notes) -> float | tuple[float, ...] | None:
+    """Return the SI number or numbers of a field."""
     if wanted.form == "maybe" and node.value is None:
         return None
     if wanted.form != "many":
