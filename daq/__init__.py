@@ -1,6 +1,7 @@
-"""The acquisition of a particle-damper test rig: volts, codes, clocks and session files. It knows no grain.
+"""Data acquisition of a particle-damper test rig: volts, codes, clocks and session files.
 
-Names load their module on first use: h5py takes a while.
+Nothing here knows about grains. The public names load their modules on first use, because h5py
+takes a while to import.
 """
 
 import importlib

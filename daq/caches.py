@@ -1,8 +1,9 @@
-"""Where compiled code and fonts are kept when neither the installed packages nor the home can be written.
+"""Choose a place for compiled code and fonts when neither the packages nor the home can be written.
 
-numba keeps compiled code beside its module, else in the user's home, and raises at import where it can do neither;
-matplotlib warns at each start. So a place in the temporary folder is chosen before either is imported, by environment
-variables, which worker processes inherit. Where their own choice works, nothing is set.
+numba keeps compiled code beside its module, else in the user's home, and raises at import where it
+can do neither; matplotlib warns at each start. So a folder in the temporary directory is chosen
+before either is imported. It is passed on by environment variables, which worker processes inherit.
+Where the libraries' own choice works, nothing is set.
 """
 
 import atexit
@@ -20,7 +21,9 @@ _PACKAGES = [Path(__file__).parents[1] / name for name in ("daq", "analysis", "r
 
 
 def place_caches() -> None:
-    """Set NUMBA_CACHE_DIR and MPLCONFIGDIR where what they say, or stand for, cannot be written."""
+    """Set NUMBA_CACHE_DIR and MPLCONFIGDIR where their present values, or the defaults, cannot be
+    written.
+    """
     caches, settings = _in_home("XDG_CACHE_HOME", ".cache"), _in_home("XDG_CONFIG_HOME", ".config")
     if not _given("NUMBA_CACHE_DIR") and not writable(caches) and not _beside_modules():
         _set("NUMBA_CACHE_DIR", f"numba-{_modules()}")
@@ -31,7 +34,10 @@ def place_caches() -> None:
 
 
 def writable(folder: Path) -> bool:
-    """Return whether a folder can be written, or could be made and then written; makes nothing."""
+    """Return whether a folder can be written, or could be created and then written.
+
+    Creates nothing.
+    """
     with suppress(OSError):
         for place in (folder, *folder.parents):
             if os.path.lexists(place):
@@ -40,17 +46,21 @@ def writable(folder: Path) -> bool:
 
 
 def _given(variable: str) -> bool:
+    """Return whether an environment variable names a folder that can be written."""
     value = os.environ.get(variable)
     return bool(value) and writable(Path(str(value)).absolute())
 
 
 def _in_home(variable: str, name: str) -> Path:
-    """Return a folder of the user's; where there is no home, one that cannot be written."""
+    """Return the user's folder that `variable` names, by default `name` in the home; without a
+    home, a path that cannot be written.
+    """
     found = Path(os.environ.get(variable) or os.path.expanduser(f"~/{name}"))
     return found if found.is_absolute() else Path(os.devnull) / name
 
 
 def _beside_modules() -> bool:
+    """Return whether numba can keep compiled code beside every module, its first choice."""
     folders = {module.parent for package in _PACKAGES for module in package.rglob("*.py")}
     return all(writable(folder / "__pycache__") for folder in folders)
 
@@ -63,10 +73,12 @@ def _set(variable: str, name: str) -> None:
 
 @cache
 def _temporary() -> Path | None:
-    """Return a folder of this user alone in the temporary folder, the same for all processes; None where none can be.
+    """Return a folder in the temporary directory that only this user can write; None if there can
+    be none.
 
-    numba unpickles what it finds there, so that what another user has made must never be taken: then a fresh folder
-    serves this process and its children, and is deleted in the end.
+    All processes of a user share it. numba unpickles its cache, so a folder that another user made
+    must never be used: a fresh one then serves this process and its children, and is deleted at
+    exit.
     """
     user = os.getuid() if hasattr(os, "getuid") else 0
     try:
@@ -77,6 +89,7 @@ def _temporary() -> Path | None:
         private = os.name != "posix" or (state.st_uid == user and not state.st_mode & (stat.S_IRWXG | stat.S_IRWXO))
         if stat.S_ISDIR(state.st_mode) and private and writable(shared):
             return shared
+        # The name is taken by somebody else's folder, or by a link.
         own = Path(tempfile.mkdtemp(prefix="particle-damper-rig-"))
     except OSError:
         return None
@@ -85,7 +98,9 @@ def _temporary() -> Path | None:
 
 
 def _modules() -> str:
-    """Return a word for the installed modules: compiled code of another version or place is never met."""
+    """Return a hash of the installed modules' paths and times, so that code compiled from another
+    version or place is never loaded.
+    """
     modules = sorted(path for package in _PACKAGES for path in package.rglob("*.py"))
     text = "\n".join(f"{path} {path.stat().st_mtime_ns}" for path in modules)
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""Child processes with a pipe each, none of which outlives the block that started them."""
+"""Child processes with one pipe each; none outlives the block that started them."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,12 +8,14 @@ from multiprocessing.process import BaseProcess
 __all__ = ["Children", "killed_at_the_end"]
 
 Children = tuple[list[BaseProcess], list[Connection]]
-"""Processes, and the near ends of their pipes."""
+"""Processes, and this process's ends of their pipes."""
 
 
 @contextmanager
 def killed_at_the_end() -> Iterator[Children]:
-    """Give two empty lists to be filled; kill the processes and close the pipes after the block."""
+    """Yield two empty lists to be filled; kill the processes and close the pipes when the block
+    ends.
+    """
     processes: list[BaseProcess] = []
     pipes: list[Connection] = []
     try:

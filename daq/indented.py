@@ -1,4 +1,4 @@
-"""JSON with a line for each value, fast enough for a report of thousands of conditions."""
+"""JSON with one value a line, fast enough for a report of thousands of conditions."""
 
 import json
 import math
@@ -9,16 +9,18 @@ __all__ = ["indented"]
 
 
 def indented(value: Any) -> str:
-    """Return what `json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False)` does, in a quarter of the time.
+    """Return the text of `json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False)` in a
+    quarter of the time.
 
-    The library's compiled encoder knows no indent. It takes any text between two values, though: where a container
-    holds no other, that is the line break and the indent. Raises ValueError for a number that is not finite.
+    The library's compiled encoder cannot indent, but it accepts any separator between two values.
+    In a container of plain values that separator is the line break and the indent. Raises
+    ValueError for a number that is not finite.
     """
     return _text(value, 0)
 
 
 def _text(value: Any, depth: int) -> str:
-    """JSON of a value that stands at a depth."""
+    """Return the JSON text of a value nested `depth` levels deep."""
     if value is None:
         return "null"
     if not isinstance(value, dict | list | tuple) or not value:
@@ -29,6 +31,7 @@ def _text(value: Any, depth: int) -> str:
         first, body, last = flat[0], flat[1:-1], flat[-1]
     else:
         first, last = "{}" if isinstance(value, dict) else "[]"
+        # repr is how json writes a float; it spares an encoder call for each number.
         texts = [
             repr(item) if type(item) is float and math.isfinite(item) else _text(item, depth + 1) for item in inner
         ]
@@ -39,13 +42,13 @@ def _text(value: Any, depth: int) -> str:
 
 
 def _between(depth: int) -> str:
-    """What stands between two values of a container at a depth."""
+    """Return the separator of the values in a container nested `depth` levels deep."""
     return ",\n" + " " * (depth + 1)
 
 
-@lru_cache(maxsize=1024, typed=True)  # True is 1
+@lru_cache(maxsize=1024, typed=True)  # typed: True and 1 are equal, but not as JSON
 def _key(key: Any) -> str:
-    """A key as JSON: text as it is, a number, true, false or null as text."""
+    """Return a key as JSON: text unchanged; a number, true, false or null as text."""
     if isinstance(key, str):
         return _encoder(0).encode(key)
     return _encoder(0).encode({key: 0}).removeprefix("{").removesuffix(": 0}")
@@ -53,4 +56,5 @@ def _key(key: Any) -> str:
 
 @lru_cache(maxsize=32)
 def _encoder(depth: int) -> json.JSONEncoder:
+    """Return an encoder for a container of plain values nested `depth` levels deep."""
     return json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(_between(depth), ": "))

@@ -1,4 +1,6 @@
-"""Regular files and nothing else: opening a pipe or a device can wait for ever, reading one can have no end."""
+"""Open regular files and nothing else: opening a pipe or device can block for ever, and reading one
+may never end.
+"""
 
 import os
 import stat
@@ -15,11 +17,13 @@ AT_ONCE = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0
 
 
 class NotRegular(OSError):
-    """What lies at a path is no regular file; `strerror` says what it is."""
+    """The path leads to something other than a regular file, which `strerror` names."""
 
 
 def kind_of_place(path: Path) -> str:
-    """Return what a path leads to, links followed: "a file", "a folder", "a pipe", ..., "" for nothing."""
+    """Return the kind of object at a path, links followed: "a file", "a folder", "a pipe", ...; ""
+    for nothing.
+    """
     try:
         return _kind(os.stat(path))
     except (OSError, ValueError):  # ValueError: a null character
@@ -27,11 +31,14 @@ def kind_of_place(path: Path) -> str:
 
 
 def open_regular(path: Path) -> BufferedReader:
-    """Open a regular file for reading, waiting for nobody. Raises OSError, NotRegular for any other thing."""
-    _check(path, os.stat(path))  # opening alone can rewind a tape
+    """Open a regular file for reading, without blocking.
+
+    Raises OSError; NotRegular for anything but a file.
+    """
+    _check(path, os.stat(path))  # before opening, which alone can rewind a tape
     descriptor = os.open(path, AT_ONCE)
     try:
-        _check(path, os.fstat(descriptor))  # another thing may have come to the path since
+        _check(path, os.fstat(descriptor))  # the path may have been replaced since the first check
         return os.fdopen(descriptor, "rb")
     except BaseException:
         os.close(descriptor)

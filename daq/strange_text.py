@@ -1,7 +1,8 @@
-r"""Text from strangers, made harmless: no character in it can steer a terminal, turn the order of letters or hide.
+r"""Make text from strangers harmless: no character can steer a terminal, reverse the order of
+letters or hide.
 
-A session, a mapping, the header of a record or the name of a file may hold anything. Characters that a reader cannot
-see are written as their escapes (`\x1b`, `\u202e`), so that he sees that they are there.
+A session, a mapping, the header of a record or a file name may hold anything. Invisible characters
+are written as escapes (`\x1b`, `\u202e`), so that the reader sees that they are there.
 """
 
 import json
@@ -13,7 +14,7 @@ from daq.indented import indented
 __all__ = ["HIDDEN", "LINES", "cell_text", "json_text", "visible"]
 
 LINES = "\n\t"
-"""What text of several lines may keep where it stands as it is."""
+"""Control characters that text of several lines may keep."""
 
 HIDDEN = re.compile(
     "[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufdd0-\ufdef\ufffe\uffff"
@@ -22,34 +23,39 @@ HIDDEN = re.compile(
     + "".join(f"{chr(plane + 0xFFFE)}{chr(plane + 0xFFFF)}" for plane in range(0x10000, 0x110000, 0x10000))
     + "]"
 )
-"""C0 and C1 controls with DEL; surrogates; noncharacters, which XML has no place for; separators of lines and
-paragraphs; and Unicode's Default_Ignorable_Code_Point (DerivedCoreProperties.txt), bidirectional controls and
-zero-width characters among them."""
+"""Invisible characters: C0 and C1 controls with DEL; surrogates; noncharacters, which XML does not
+allow; line and paragraph separators; and Unicode's Default_Ignorable_Code_Point
+(DerivedCoreProperties.txt), which includes bidirectional controls and zero-width characters.
+"""
 
 _BUT_LINES = re.compile(rf"(?!\n){HIDDEN.pattern}")
 
 _FORMULA = re.compile(r"""(^|;)(?=[\s"']*[=+\-@\t\r\n＝＋－＠])""")
-"""Where a spreadsheet may begin a formula: at the start of a cell, spaces and quotes skipped, and after the semicolon
-that half of the world separates cells by."""
+"""Places where a spreadsheet may begin a formula: the start of a cell, after spaces and quotes, and
+after a semicolon, which is the cell separator in half of the world.
+"""
 
 
 def visible(text: str, keep: str = "") -> str:
-    """Return text with its hidden characters as escapes, those of `keep` as they are."""
+    """Return text with its hidden characters escaped, except those in `keep`."""
     return HIDDEN.sub(lambda found: found[0] if found[0] in keep else _escaped(found[0]), text)
 
 
 def json_text(value: Any, indent: Literal[1] | None = 1) -> str:
-    """Return JSON text whose hidden characters are JSON's own escapes: it reads back to the same value."""
+    """Return JSON text in which hidden characters are JSON escapes, so that it reads back to the
+    same value.
+    """
     one_line = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
     text = one_line(value) if indent is None else indented(value)
-    if text.isascii() and "\x7f" not in text:  # JSON escapes the other controls by itself
+    if text.isascii() and "\x7f" not in text:  # the encoder escapes all other ASCII controls
         return text
     return _BUT_LINES.sub(lambda found: _json_escaped(found[0]), text)
 
 
 def cell_text(value: Any) -> Any:
-    """Return a cell of a CSV file: a number as it is, text that a spreadsheet would take for a formula behind an
-    apostrophe."""
+    """Return a cell of a CSV file: a number unchanged; text with an apostrophe before anything that
+    a spreadsheet would take for a formula.
+    """
     if not isinstance(value, str):
         return value
     return visible(_FORMULA.sub(r"\1'", value))
@@ -58,7 +64,11 @@ def cell_text(value: Any) -> Any:
 def _escaped(character: str) -> str:
     code = ord(character)
     named = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}.get(character)
-    return named or (f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}")
+    if named:
+        return named
+    if code < 0x100:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def _json_escaped(character: str) -> str:

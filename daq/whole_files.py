@@ -1,8 +1,8 @@
-"""Write files whole or not at all: beside their place under a random name, then moved there.
+"""Write files whole or not at all: under a random name in the same folder, then renamed into place.
 
-A full disk or a kill leaves the old file. What stands in the place is replaced and never written through, so that a
-symbolic link in a folder received from somebody else keeps its target as it was. Pipes, sockets and devices are never
-replaced.
+After a full disk or a kill the old file is still there. An existing entry is replaced and never
+written through, so that a symbolic link in a folder received from somebody else leaves its target
+untouched. Pipes, sockets and devices are never replaced.
 """
 
 import errno
@@ -18,7 +18,9 @@ from daq.regular_files import NotRegular, kind_of_place
 __all__ = ["UNFINISHED", "fresh_file", "mark_unfinished", "unfinished", "whole_file", "write_folder", "write_whole"]
 
 UNFINISHED = "UNFINISHED.txt"
-"""In a folder while its files are replaced, one after the other; left there by a kill in between."""
+"""Note in a folder while its files are replaced one after the other; a kill in between leaves it
+there.
+"""
 
 WHY = """The files of this folder were being replaced. If no program is at work here any more, it was
 stopped in between, and what lies here does not belong together: some of it is older than the rest.
@@ -26,12 +28,16 @@ stopped in between, and what lies here does not belong together: some of it is o
 """
 
 
+# O_EXCL and O_NOFOLLOW: nobody can plant a link under the temporary name.
 NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """Open a file for writing bytes that takes the place of `path` when the block ends well. Raises OSError."""
+    """Open a binary file for writing that replaces `path` when the block ends without an error.
+
+    Raises OSError.
+    """
     _check_replaceable(path)
     part = _part_of(path)
     with _removed_on_failure([part]):
@@ -41,15 +47,18 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def write_whole(path: Path, data: str | bytes) -> None:
-    """Write text (UTF-8, lines as they are) or bytes to `path`, whole or not at all. Raises OSError."""
+    """Write text (UTF-8, line ends unchanged) or bytes to `path`, whole or not at all.
+
+    Raises OSError.
+    """
     with whole_file(path) as file:
         file.write(_encoded(data))
 
 
 def fresh_file(path: Path) -> BinaryIO:
-    """Open a new file at `path` that is written bit by bit; what stood there, link or file, is removed, not followed.
+    """Open a new binary file at `path` for writing piece by piece. Raises OSError.
 
-    Raises OSError.
+    An existing file or link is removed, not followed.
     """
     _check_replaceable(path)
     path.unlink(missing_ok=True)
@@ -57,12 +66,13 @@ def fresh_file(path: Path) -> BinaryIO:
 
 
 def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
-    """Write files into a folder, made where missing, and return their paths.
+    """Write files into a folder, created if missing, and return their paths.
 
-    contents: relative path -> text or bytes. All are written beside their places before the first is moved, in the
-    order given: a full disk leaves every old file. A kill while they are moved leaves the last one old, and the note
-    UNFINISHED, which lies there from before the first move until after the last. Raises OSError, also where a folder
-    inside `folder` is a symbolic link, which could lead anywhere.
+    contents: relative path -> text or bytes. All are written under temporary names before the first
+    is renamed, in the given order, so that a full disk leaves every old file. A kill between the
+    renames leaves some old files, and the note UNFINISHED, which is there from before the first
+    rename until after the last. Raises OSError, also where a folder inside `folder` is a symbolic
+    link, which could lead anywhere.
     """
     parts: dict[Path, Path] = {}
     with _removed_on_failure(parts):
@@ -82,12 +92,14 @@ def write_folder(folder: Path, contents: Mapping[str, str | bytes]) -> tuple[Pat
 
 
 def mark_unfinished(folder: Path) -> None:
-    """Say in a folder that its files do not belong together until `write_folder` is done. Raises OSError."""
+    """Leave the note that the files of a folder do not belong together, until `write_folder`
+    removes it. Raises OSError.
+    """
     write_whole(folder / UNFINISHED, WHY)
 
 
 def unfinished(folder: Path) -> bool:
-    """Whether the writing of a folder's files was stopped in between, or is under way."""
+    """Return whether the replacement of a folder's files was interrupted, or is under way."""
     return os.path.lexists(folder / UNFINISHED)
 
 
@@ -101,13 +113,17 @@ def _make_parents(folder: Path, path: Path) -> None:
 
 
 def _check_replaceable(path: Path) -> None:
-    """Raise NotRegular where a path leads to what is neither file nor folder: a superuser could replace a device."""
+    """Raise NotRegular for anything but a file or a folder: a superuser could replace a device."""
     kind = kind_of_place(path)
+    # A folder is let through: the rename then fails with the system's own message.
     if kind not in ("", "a file", "a folder"):
         raise NotRegular(errno.EEXIST, f"{kind}, which is not replaced", str(path))
 
 
 def _part_of(path: Path) -> Path:
+    """Return a temporary path in the same folder, so that the final rename stays on one file
+    system.
+    """
     return path.with_name(f".{path.name[:200]}.{secrets.token_hex(6)}.part")
 
 
@@ -121,6 +137,7 @@ def _encoded(data: str | bytes) -> bytes:
 
 @contextmanager
 def _removed_on_failure(parts: Mapping[Path, Path] | list[Path]) -> Iterator[None]:
+    """Delete the temporary files if the block raises."""
     try:
         yield
     except BaseException:

@@ -1,1 +1,1 @@
-"""From a physical signal to blocks of codes: transducers, conditioning, front end, trigger, clock."""
+"""The measurement chain: from physical quantities over volts to blocks of codes."""

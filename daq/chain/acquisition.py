@@ -1,4 +1,8 @@
-"""Acquisition: whatever delivers blocks of codes. Emulated today; replayed or a card later, nothing after it knows."""
+"""Acquisition: anything that delivers blocks of codes.
+
+Today it is an emulated analyzer or a replayed record, later a card; the code after it cannot tell
+them apart.
+"""
 
 from typing import Protocol, runtime_checkable
 
@@ -11,10 +15,10 @@ from daq.chain.source import AnalogSource, Clipping
 
 __all__ = ["Acquisition", "Emulated"]
 
-CLOCK_TOLERANCE = 1e-3  # a source knows the analyzer's actual clock, the front end its nominal rate
-
 LARGEST_CLOCK_ERROR = 1e-3
-"""A source runs at the actual rate, the front end states the nominal one: they differ by the clock's error."""
+"""Largest relative difference of the rates of source and front end: the source runs at the
+analyzer's actual rate, the front end states the nominal one, and they differ by the clock's error.
+"""
 
 
 @runtime_checkable
@@ -30,14 +34,15 @@ class Acquisition(Protocol):
         """Samples per second and channel, Hz."""
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel."""
+        """Return the next n samples of every channel."""
 
 
 class Emulated:
-    """An analyzer's front end on an analog source.
+    """An analyzer's front end fed by an analog source.
 
-    The source is read in fixed internal blocks (up to one block ahead), so that codes do not depend on the sizes of
-    the reads. Blocks that start before the filter has filled (2 x 39 samples) are marked as settling.
+    The source is read in internal blocks of fixed size (up to one block ahead), so that codes do
+    not depend on the sizes of the reads. Blocks that start before the filter has filled (2 x 39
+    samples) are marked as settling.
     """
 
     def __init__(self, source: AnalogSource, frontend: FrontEnd) -> None:
@@ -46,11 +51,14 @@ class Emulated:
         if abs(source.rate - OVERSAMPLING * frontend.rate) > LARGEST_CLOCK_ERROR * source.rate:
             raise ValueError(f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz")
         self._source = source
-        self._clipping = source if isinstance(source, Clipping) else None  # asked once: a protocol is slow to ask
+        # Asked once: isinstance of a Protocol is slow.
+        self._clipping = source if isinstance(source, Clipping) else None
         self._frontend = frontend
         self._next = 0
-        self._converted = 0  # samples, those read ahead included
-        self._clips = [np.empty(0, dtype=np.intp) for _ in frontend.names]  # samples, from the next one on
+        self._converted = 0  # samples, including those read ahead
+        # Per channel: indices, from the next sample on, of samples in whose interval the sensor
+        # clipped.
+        self._clips = [np.empty(0, dtype=np.intp) for _ in frontend.names]
         self._ahead: Codes = np.empty((len(frontend.names), 0), dtype=np.int32)
 
     @property
@@ -64,8 +72,11 @@ class Emulated:
         return self._frontend.rate
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel; overload bits where a code lies at a rail, `sensor_clip` where a
-        sensor was at its own limit. ValueError for n < 1."""
+        """Return the next n samples of every channel. Raises ValueError for n < 1.
+
+        Overload bits are set where a code lies at a rail, `sensor_clip` where a sensor reached its
+        own limit.
+        """
         if n < 1:
             raise ValueError(f"{n} samples were asked for")
         parts, have = [self._ahead], self._ahead.shape[1]
@@ -75,22 +86,26 @@ class Emulated:
                 self._note(self._clipping)
             self._converted += self._frontend.block
             have += self._frontend.block
+        # The remainder of the last block is kept for the next read.
         codes = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
         self._ahead = codes[:, n:].copy()
         return self._block(codes[:, :n])
 
     def _note(self, source: Clipping) -> None:
-        """Take down the samples in whose middle a sensor clipped."""
+        """Note the samples whose filter is centred on an interval in which a sensor clipped."""
         for row, places in enumerate(source.clipped()):
             if places.size:
+                # An interval's effect is centred FILTER_DELAY samples later in the output.
                 samples = np.unique(places // OVERSAMPLING) + self._converted + round(FILTER_DELAY)
                 self._clips[row] = np.concatenate([self._clips[row], samples])
 
     def _block(self, codes: Codes) -> Block:
+        """Return the next block from `codes` (channels, n), with its flags and counts."""
         start = self._next
         self._next += codes.shape[1]
         sensor = np.array([np.searchsorted(samples, self._next) for samples in self._clips])
         self._clips = [samples[count:] for samples, count in zip(self._clips, sensor, strict=True)]
+        # A converter that saturates delivers its extreme codes: that is all an analyzer can see.
         high = np.count_nonzero(codes == self._frontend.highest, axis=1)
         low = np.count_nonzero(codes == self._frontend.lowest, axis=1)
         settling = start < 2 * DELAY

@@ -1,4 +1,4 @@
-"""A block of codes: what every acquisition delivers and what the recorder stores."""
+"""A block of codes: the output of every acquisition and the unit that a recorder stores."""
 
 from dataclasses import dataclass
 from enum import IntFlag
@@ -24,7 +24,9 @@ class Flag(IntFlag):
 
 
 def flag_names(bits: int) -> tuple[str, ...]:
-    """Lower-case names of the bits that are set, in the order of the bits: 3 -> ("overload_hi", "overload_lo")."""
+    """Return the lower-case names of the bits that are set, lowest first: 3 -> ("overload_hi",
+    "overload_lo").
+    """
     return tuple(name for flag, name in _NAMES if bits & flag)
 
 
@@ -35,11 +37,11 @@ _NAMES = tuple((int(flag), str(flag.name).lower()) for flag in Flag)
 class Block:
     """Consecutive samples of all channels; the sample index is the only clock.
 
-    start: index of the first sample since the start of the run.
-    codes: (channels, n) int32, converter codes; volts = code * range / 2^(bits - 1).
-    flags: (channels,) uint16, bits of `Flag` that hold anywhere in the block.
-    clipped: (channels,) uint32, samples at either rail, and samples in whose interval the sensor itself clipped.
-    settling: the block holds samples from before the front end's filter had filled (bit NOT_SETTLED is set too).
+    start: index of the first sample since the start of the run. codes: (channels, n) int32,
+    converter codes; volts = code * range / 2^(bits - 1). flags: (channels,) uint16, bits of `Flag`
+    that hold anywhere in the block. clipped: (channels,) uint32, number of samples at either rail
+    plus samples in whose interval the sensor itself clipped. settling: the block starts before the
+    front end's filter has filled (bit NOT_SETTLED is set too).
     """
 
     start: int

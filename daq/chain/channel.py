@@ -1,4 +1,6 @@
-"""What an instrument channel is: its data sheet, its certified state, its actual state and its row in the record."""
+"""An instrument channel: data sheet, certified state, actual state, and its row in the record's
+channel table.
+"""
 
 import math
 from collections.abc import Mapping
@@ -31,25 +33,28 @@ REFERENCE_RANGE = 10.0  # V, at which AnalyzerSpec.noise_rms is stated
 REFERENCE_RATE = 51200.0  # Hz, at which AnalyzerSpec.noise_rms is stated
 COUPLINGS = ("DC", "AC", "IEPE")
 SPOTS = (1.0, 10.0, 100.0, 1000.0)  # Hz, at which a sheet states its noise density
-LISTED_RATES = (102400.0, *(51200.0 / n for n in range(1, 32)))  # Hz, hardware.md: 102.4 kS/s and 51.2 kS/s / n
+# Hz, hardware.md: 102.4 kS/s and 51.2 kS/s / n
+LISTED_RATES = (102400.0, *(51200.0 / n for n in range(1, 32)))
 
 
 class NoSuchRate(ValueError):
-    """No listed rate of the analyzer gives the wanted samples per cycle."""
+    """No listed rate of the analyzer gives the requested number of samples per cycle."""
 
 
 @dataclass(frozen=True)
 class TransducerSpec:
     """Data sheet of a transducer, as the catalog states it.
 
-    sensitivity: V per unit. full_scale: unit. time_constant: discharge time constant in s (high-pass pole at
-    1 / (2 pi time_constant) Hz), None for a response down to DC. time_constant_spread: relative, sigma of a
-    lognormal. noise_rms: unit, white over 0..noise_bandwidth (Hz). calibration_U: relative expanded uncertainty
-    (k = 2) of the sensitivity. statuses: field name -> sourced, recalled, computed or assumed.
+    sensitivity: V per unit. full_scale: unit. time_constant: discharge time constant in s
+    (high-pass pole at 1 / (2 pi time_constant) Hz), None for a response down to DC.
+    time_constant_spread: relative, sigma of a lognormal. noise_rms: unit, white over
+    0..noise_bandwidth (Hz). calibration_U: relative expanded uncertainty (k = 2) of the
+    sensitivity. statuses: field name -> sourced, recalled, computed or assumed.
 
-    Left out unless given: linearity, largest deviation over full scale; resonance, Hz, with its damping ratio;
-    noise_spots, noise density in unit/sqrt(Hz) at `SPOTS`, with which noise rises towards low frequencies (1/f) and
-    its white part is the last spot; clips_at, V at which an IEPE sensor's own amplifier clips, None for other sensors.
+    Optional: linearity, largest deviation from the straight line, as a fraction of full scale;
+    resonance, Hz, with its damping ratio; noise_spots, noise densities in unit/sqrt(Hz) at `SPOTS`,
+    with which noise rises towards low frequencies (1/f) and the last of which is the white floor;
+    clips_at, V at which an IEPE sensor's own amplifier clips, None for other sensors.
     """
 
     model: str
@@ -70,7 +75,7 @@ class TransducerSpec:
     clips_at: float | None = None
 
     def noise_in_band(self, rate: float) -> float:
-        """Rms white noise (unit) that lies in 0..rate/2, the band of a record at `rate` (Hz)."""
+        """Return the rms white noise (unit) in 0..rate/2, the band of a record at `rate` (Hz)."""
         band = min(rate / 2, self.noise_bandwidth)
         if self.noise_spots:
             return self.noise_spots[-1] * math.sqrt(band)
@@ -78,7 +83,9 @@ class TransducerSpec:
 
     @property
     def flicker(self) -> float:
-        """1/f noise: density (unit/sqrt(Hz)) at 1 Hz of the K/f that no spot lies above; 0 without spots."""
+        """1/f noise: density K (unit/sqrt(Hz)) at 1 Hz such that K^2/f plus the white floor covers
+        every spot; 0 without spots.
+        """
         excess = (f * max(s**2 - self.noise_spots[-1] ** 2, 0.0) for f, s in zip(SPOTS, self.noise_spots, strict=False))
         return math.sqrt(max(excess, default=0.0))
 
@@ -87,12 +94,13 @@ class TransducerSpec:
 class AnalyzerSpec:
     """Data sheet of an analyzer.
 
-    rates: listed output rates in Hz. oversampling: input intervals per output sample. bits: of the converter.
-    ranges: V, each meaning +- that value. noise_rms: V rms in the output band at the 10 V range and 51.2 kS/s.
-    gain_tolerance: relative half-width of a rectangular distribution, per channel. clock_ppm: half-width of a
-    rectangular distribution of the common clock's error, in 1e-6. channels: how many it samples at once. ac_corner: Hz,
-    high-pass of the couplings AC and IEPE, with the relative half-width ac_tolerance of each channel's own. skew:
-    s, half-width of the delay between channels (rectangular).
+    rates: listed output rates in Hz. oversampling: input intervals per output sample. bits: of the
+    converter. ranges: V, each meaning +- that value. noise_rms: V rms in the output band at the 10
+    V range and 51.2 kS/s. gain_tolerance: relative half-width of a rectangular distribution, per
+    channel. clock_ppm: half-width of the rectangular distribution of the common clock's error, in
+    1e-6. channels: number sampled simultaneously. ac_corner: Hz, high-pass of the couplings AC and
+    IEPE; ac_tolerance: relative half-width of its scatter between channels. skew: s, half-width of
+    the delay between channels (rectangular).
     """
 
     model: str
@@ -110,8 +118,11 @@ class AnalyzerSpec:
     skew: float = 0.0
 
     def rate_for(self, frequency: float, samples_per_cycle: float) -> float:
-        """Slowest listed rate (Hz) that gives at least `samples_per_cycle` at `frequency` (Hz); else NoSuchRate."""
+        """Return the slowest listed rate (Hz) with at least `samples_per_cycle` at `frequency`
+        (Hz). Raises NoSuchRate.
+        """
         wanted = frequency * samples_per_cycle
+        # 1e-12: round-off of the product
         enough = [rate for rate in self.rates if rate >= wanted * (1 - 1e-12)]
         if not enough:
             best = max(self.rates) / frequency
@@ -122,19 +133,21 @@ class AnalyzerSpec:
         return min(enough)
 
     def noise_in_band(self, range_V: float, rate: float) -> float:
-        """Rms input noise in V at a range (V) and output rate (Hz): proportional to range and to sqrt(rate)."""
+        """Return the rms input noise in V at a range (V) and output rate (Hz): proportional to
+        range and to sqrt(rate).
+        """
         return self.noise_rms * range_V / REFERENCE_RANGE * math.sqrt(rate / REFERENCE_RATE)
 
     def volts_per_code(self, range_V: float) -> float:
-        """Weight of one code in V: range / 2^(bits - 1)."""
+        """Return the weight of one code in V: range / 2^(bits - 1)."""
         return math.ldexp(range_V, 1 - self.bits)
 
 
 def ideal_transducer(quantity: Quantity) -> TransducerSpec:
-    """A transducer without pole, noise or calibration error.
+    """Return a transducer without pole, noise or calibration error.
 
-    2 mV/N and 10 mV/(m/s^2), so that the usual ranges of 10 V and 1 V read 5 kN and 100 m/s^2 at full scale; 0.1 V per
-    V and per A, 100 V and 100 A at 10 V.
+    Its sensitivities are 2 mV/N and 10 mV/(m/s^2), so that the usual ranges of 10 V and 1 V read 5
+    kN and 100 m/s^2 at full scale; 0.1 V per V and per A, 100 V and 100 A at 10 V.
     """
     unit, sensitivity, full_scale = {
         "force": ("N", 2e-3, 5000.0),
@@ -146,17 +159,20 @@ def ideal_transducer(quantity: Quantity) -> TransducerSpec:
 
 
 def ideal_analyzer() -> AnalyzerSpec:
-    """An analyzer without noise, error of gain or clock, or scatter of its AC corners. It still filters, samples and
-    rounds to 24 bit codes."""
+    """Return an analyzer without noise, gain or clock error, or scatter of its AC corners.
+
+    It still filters, samples and rounds to 24 bit codes.
+    """
     return AnalyzerSpec("ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0, ac_tolerance=0.0)
 
 
 @dataclass(frozen=True)
 class Channel:
-    """The certified state of a channel: what the laboratory knows and the file says.
+    """The certified state of a channel: everything the laboratory knows, and the session file
+    states.
 
-    range_V: +- that value in V. corner: Hz, of the coupling's high-pass; None for coupling DC. skew: s by which the
-    channel is sampled late.
+    range_V: +- that value in V. corner: Hz, of the coupling's high-pass; None for coupling DC.
+    skew: s by which the channel is sampled late.
     """
 
     name: str
@@ -174,9 +190,9 @@ class Channel:
 class ChannelState:
     """The actual state of a channel.
 
-    sensitivity: V per unit; time_constant: s, None for DC; gain: of the analyzer; corner: Hz, of the coupling, None for
-    DC; skew: s, sampled so much late; bend: quadratic and cubic part of the response over full scale, b2 and b3 in
-    x (1 + b2 x/X + b3 (x/X)^2).
+    sensitivity: V per unit; time_constant: s, None for DC; gain: of the analyzer; corner: Hz, of
+    the coupling, None for DC; skew: s by which it is sampled late; bend: quadratic and cubic
+    coefficients of the response over full scale X, b2 and b3 in x (1 + b2 x/X + b3 (x/X)^2).
     """
 
     sensitivity: float
@@ -188,7 +204,7 @@ class ChannelState:
 
 
 def certified_state(channel: Channel) -> ChannelState:
-    """The state in which the instrument is exactly what its certificate says."""
+    """Return the state of an instrument that agrees exactly with its certificate."""
     spec = channel.transducer
     return ChannelState(spec.sensitivity, spec.time_constant, 1.0, channel.corner, channel.skew)
 
@@ -196,11 +212,13 @@ def certified_state(channel: Channel) -> ChannelState:
 def draw_state(channel: Channel, analyzer: AnalyzerSpec, rng: np.random.Generator) -> ChannelState:
     """Draw a channel's actual state from its certificate.
 
-    Sensitivity: normal, standard uncertainty calibration_U / 2. Time constant: lognormal about the certified value.
-    Gain, AC corner, skew: rectangular, within the analyzer's tolerances. Bend: two rectangular halves of the linearity.
-    Always the same draws in the same order, so that leaving one out changes no other.
+    Sensitivity: normal, standard uncertainty calibration_U / 2. Time constant: lognormal about the
+    certified value. Gain, AC corner, skew: rectangular, within the analyzer's tolerances. Bend: b2
+    and b3 rectangular, each within half the linearity.
     """
     spec = channel.transducer
+    # Always the same draws in the same order, whether used or not: dropping one error changes no
+    # other.
     z_sensitivity, z_pole = rng.standard_normal(2)
     u_gain = rng.uniform(-1.0, 1.0)
     u_corner, u_skew, u_even, u_odd = rng.uniform(-1.0, 1.0, 4).tolist()
@@ -216,21 +234,27 @@ def draw_state(channel: Channel, analyzer: AnalyzerSpec, rng: np.random.Generato
 
 
 def draw_clock_error(analyzer: AnalyzerSpec, rng: np.random.Generator) -> float:
-    """Draw the relative error of the analyzer's common clock: rectangular, +- clock_ppm. Actual rate = rate (1 + e)."""
+    """Draw the relative error e of the analyzer's common clock: rectangular, +- clock_ppm.
+
+    Actual rate = rate (1 + e).
+    """
     return analyzer.clock_ppm * 1e-6 * float(rng.uniform(-1.0, 1.0))
 
 
 @dataclass(frozen=True)
 class ChannelInfo:
-    """A row of the channel table in the session file: all that the analysis may know about a channel.
+    """A row of the channel table in the session file: everything the analysis may know about a
+    channel.
 
-    Engineering value = (code * scale + offset) / sensitivity, in `unit`. scale, offset: V. sensitivity: V per unit
-    (certified). time_constant: s, None for DC. filter_delay: samples; drive time of sample n = (n - filter_delay) /
-    rate + skew. skew: s. calibration_U: relative, k = 2. gain_tolerance, time_constant_spread: relative (rectangular
-    half-width, lognormal sigma). clock_ppm: rectangular half-width, 1e-6. noise_rms: unit, in the band of the record.
-    corner: Hz, high-pass of the coupling, 0 for DC; corner_tolerance: relative; skew_tolerance: s (rectangular
-    half-widths). flicker: unit/sqrt(Hz) at 1 Hz of the noise's 1/f part. full_scale: unit, 0 where not stated.
-    linearity: over full scale, 0 for none. clips_at: V at which the sensor clips, 0 where it does not.
+    Engineering value = (code * scale + offset) / sensitivity, in `unit`. scale, offset: V.
+    sensitivity: V per unit (certified). time_constant: s, None for DC. filter_delay: samples; drive
+    time of sample n = (n - filter_delay) / rate + skew. skew: s. calibration_U: relative, k = 2.
+    gain_tolerance, time_constant_spread: relative (rectangular half-width, lognormal sigma).
+    clock_ppm: rectangular half-width, 1e-6. noise_rms: unit, in the band of the record. corner: Hz,
+    high-pass of the coupling, 0 for DC; corner_tolerance: relative; skew_tolerance: s (rectangular
+    half-widths). flicker: unit/sqrt(Hz) at 1 Hz of the noise's 1/f part. full_scale: unit, 0 where
+    not stated. linearity: fraction of full scale, 0 where not stated. clips_at: V at which the
+    sensor clips, 0 where it does not.
     """
 
     name: str
@@ -263,18 +287,22 @@ class ChannelInfo:
 
     @property
     def time_constants(self) -> tuple[float, ...]:
-        """Certified time constants of all its high-pass poles in s: the transducer's discharge, then the coupling."""
+        """Certified time constants (s) of all high-pass poles: the transducer's discharge, then the
+        coupling.
+        """
         discharge = () if self.time_constant is None else (self.time_constant,)
         return (*discharge, 1 / (2 * math.pi * self.corner)) if self.corner else discharge
 
     @property
     def pole_Hz(self) -> float:
-        """Corner of the certified high-pass pole in Hz; 0 for a response down to DC."""
+        """Corner (Hz) of the transducer's certified high-pass pole; 0 for a response down to DC."""
         return 0.0 if self.time_constant is None else 1 / (2 * math.pi * self.time_constant)
 
 
 def channel_info(channel: Channel, analyzer: AnalyzerSpec, rate: float, filter_delay: float) -> ChannelInfo:
-    """The channel table row of a channel read by an analyzer at `rate` (Hz). Certified values only."""
+    """Return the channel table row of a channel read by an analyzer at `rate` (Hz), from certified
+    values only.
+    """
     spec = channel.transducer
     sensor, converter = spec.noise_in_band(rate), analyzer.noise_in_band(channel.range_V, rate) / spec.sensitivity
     return ChannelInfo(

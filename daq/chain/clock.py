@@ -1,4 +1,6 @@
-"""Pacing: the sample index is the only clock; wall time is a wrapper that waits for it and fails when late."""
+"""Pacing: the sample index is the only clock; a pacer waits for wall time, and fails when the
+samples come late.
+"""
 
 import math
 import time
@@ -9,7 +11,9 @@ __all__ = ["NEVER_LATE", "Overrun", "Pacer", "Punctuality"]
 
 
 class Overrun(Exception):
-    """The rig could not keep up with the wall clock. `late`: seconds beyond the deadline of `sample_index`."""
+    """The rig could not keep up with the wall clock. late: seconds after the deadline of
+    `sample_index`.
+    """
 
     def __init__(self, sample_index: int, late: float, margin: float) -> None:
         super().__init__(sample_index, late, margin)
@@ -24,8 +28,11 @@ class Overrun(Exception):
 
 @dataclass(frozen=True)
 class Punctuality:
-    """How late blocks came, wall seconds after their deadlines: `count` of them, `total` and `squares` their sums,
-    `worst` the latest."""
+    """Lateness of blocks, in wall seconds after their deadlines.
+
+    count: number of blocks; total, squares: sums of the lateness and of its square; worst: largest
+    lateness.
+    """
 
     count: int = 0
     total: float = 0.0
@@ -43,7 +50,7 @@ class Punctuality:
         return math.sqrt(max(self.squares / self.count - self.mean**2, 0.0)) if self.count else 0.0
 
     def __add__(self, other: "Punctuality") -> "Punctuality":
-        """Both together."""
+        """Return the statistics of both together."""
         return Punctuality(
             self.count + other.count, self.total + other.total, self.squares + other.squares,
             max(self.worst, other.worst),
@@ -56,9 +63,9 @@ NEVER_LATE = Punctuality()
 class Pacer:
     """Holds a stream of samples to wall time.
 
-    rate: samples per second of rig time. speed: rig seconds per wall second, None for as fast as possible. margin:
-    seconds that a sample may come late. clock, sleep: seconds, monotonic; replaceable for tests. `punctuality`: how
-    late the samples came that were waited for.
+    rate: samples per second of rig time. speed: rig seconds per wall second, None for as fast as
+    possible. margin: seconds that a sample may come late. clock, sleep: seconds, monotonic;
+    replaceable for tests. punctuality: lateness of all samples waited for.
     """
 
     def __init__(
@@ -79,9 +86,12 @@ class Pacer:
         self.punctuality = NEVER_LATE
 
     def wait(self, sample_index: int) -> None:
-        """Return when the wall time of `sample_index` has come; time 0 is the first call's. Raises Overrun when late.
+        """Return when the wall time of `sample_index` has come.
 
-        Every deadline counts from the start, so that waits do not accumulate errors.
+        Raises Overrun when it comes later than the margin.
+
+        The first call fixes the start. Every deadline counts from there, so that waits do not
+        accumulate errors.
         """
         if not self._per_sample:
             return

@@ -1,13 +1,16 @@
-"""The front end's anti-alias filter: two linear-phase Kaiser designs, decimation by 4 and then by 2.
+"""The front end's anti-alias filter: two linear-phase Kaiser designs, decimating by 4 and then by
+2.
 
-With the output rate fs, stage 1 works at 8 fs (pass to 0.45 fs, stop from 1.45 fs; what it lets through between the two
-is stopped by stage 2) and stage 2 at 2 fs, a half-band filter (pass to 0.45 fs, stop from 0.55 fs). The delays are
-half-integer in output samples, 3.5 and 35.5, so that the whole delay is the integer 39.
+With the output rate fs, stage 1 works at 8 fs (pass band to 0.45 fs, stop band from 1.45 fs; stage
+2 stops what it lets through in between) and stage 2 at 2 fs, a half-band filter (pass band to 0.45
+fs, stop band from 0.55 fs). The delays are half-integer in output samples, 3.5 and 35.5, so that
+the total delay is the integer 39.
 
-Every output is the same sum in the same order however the stream is cut: the vectorised loop runs over outputs.
+Every output is the same sum in the same order however the stream is cut, because the vectorised
+loop runs over outputs.
 
-A channel that is sampled a little late or early has its own stage 1: the same low-pass, sampled between its taps. That
-costs no extra pass, and nothing where there is no skew.
+A channel that is sampled slightly late or early has its own stage 1: the same low-pass, sampled
+between its taps. That needs no extra pass, and costs nothing where there is no skew.
 """
 
 import math
@@ -23,16 +26,17 @@ from daq.chain.source import FloatArray
 __all__ = ["DELAY", "OVERSAMPLING", "STAGE1", "STAGE2", "Decimator", "shifted_lowpass"]
 
 OVERSAMPLING = 8
-TILE = 512  # outputs worked on at a time: their inputs (8 x 512 doubles) stay in the first-level cache
+TILE = 512  # outputs per pass: their inputs (8 x 512 doubles) stay in the first-level cache
 
 IntArray = npt.NDArray[np.int64]
 
 
 def shifted_lowpass(taps: int, cutoff: float, attenuation: float, delay: float = 0.0) -> FloatArray:
-    """Return a Kaiser-windowed low-pass of unit sum that delays by `delay` inputs more (|delay| <= 1/2) than half its
-    length. cutoff: half-amplitude frequency over the rate; attenuation: dB, > 50.
+    """Return a Kaiser-windowed low-pass of unit sum that delays by half its length plus `delay`
+    inputs (|delay| <= 1/2).
 
-    Not by numpy's sinc and kaiser: their last digits hang on the processor, and with them codes would.
+    cutoff: half-amplitude frequency over the rate; attenuation: dB, > 50. numpy's sinc and kaiser
+    are avoided: their last digits depend on the processor, and so would the codes.
     """
     if not abs(delay) <= 0.5:
         raise ValueError(f"a skew of {delay:g} oversampled intervals: at most half an interval can be filtered in")
@@ -46,9 +50,11 @@ def shifted_lowpass(taps: int, cutoff: float, attenuation: float, delay: float =
 
 
 def bessel_i0(x: FloatArray) -> FloatArray:
-    """Return the modified Bessel function I0 by its series, sums and products alone: every processor rounds them alike.
+    """Return the modified Bessel function I0, from its series by sums and products, which every
+    processor rounds alike.
 
-    Good to round-off up to |x| = 30, where the last of its terms is 1e-20 of the sum."""
+    Accurate to round-off up to |x| = 30, where the last term is 1e-20 of the sum.
+    """
     square = x * x / 4
     term = total = np.ones_like(square)
     for k in range(1, 80):
@@ -58,7 +64,9 @@ def bessel_i0(x: FloatArray) -> FloatArray:
 
 
 def half_band(taps: int, attenuation: float) -> FloatArray:
-    """Kaiser low-pass cut off at a quarter of the rate: centre tap 1/2, every second tap exactly 0, unit sum."""
+    """Return a Kaiser low-pass cut off at a quarter of the rate: centre tap 1/2, every second tap
+    exactly 0, unit sum.
+    """
     h = shifted_lowpass(taps, 0.25, attenuation)
     n = np.arange(taps) - (taps - 1) // 2
     h[n % 2 == 0] = 0.0
@@ -77,10 +85,11 @@ HISTORY2 = (len(STAGE2) - 1) // 2  # columns of 2 stage-1 outputs that precede a
 
 @dataclass(frozen=True, eq=False)
 class Taps:
-    """A symmetric filter as pairs of taps that share a weight, addressed in a flat array of the input's phases.
+    """A symmetric filter as pairs of taps that share a weight, addressed in the flattened array
+    (phases, width) of the inputs.
 
-    left, right: (pairs,) places of the two inputs of output 0; those of output n lie n further. weights: (pairs,), a
-    multiple of four. centre, centre_weight: the single tap.
+    left, right: (pairs,) addresses of the two inputs of output 0; those of output n lie n further
+    on. weights: (pairs,), in number a multiple of four. centre, centre_weight: the single tap.
     """
 
     left: IntArray
@@ -91,38 +100,48 @@ class Taps:
 
 
 def taps_in(h: FloatArray, first: int, phases: int, width: int) -> Taps:
-    """Address the taps of `h` in `phases` rows of `width`, the oldest input of output 0 at stream position `first`."""
+    """Return the taps of `h`, addressed in `phases` rows of `width` inputs.
+
+    first: stream position of the oldest input of output 0.
+    """
     position = first + np.arange(len(h))
     place = position % phases * width + position // phases
     half = (len(h) - 1) // 2
+    # Half of a half-band filter's taps are zero, and are skipped.
     pairs = np.flatnonzero(h[:half])
     return Taps(place[pairs], place[len(h) - 1 - pairs], h[pairs], int(place[half]), float(h[half]))
 
 
 @lru_cache
 def stage_taps(outputs: int) -> tuple[Taps, Taps, Taps]:
-    """Stage 1 for the even and the odd outputs and stage 2, for blocks of `outputs` samples."""
+    """Return stage 1 for the even and for the odd outputs, and stage 2, for blocks of `outputs`
+    samples.
+    """
     width1, width2 = HISTORY1 + outputs, HISTORY2 + outputs
     return taps_in(STAGE1, 0, 8, width1), taps_in(STAGE1, 4, 8, width1), taps_in(STAGE2, 0, 2, width2)
 
 
 @lru_cache
 def _skewed_taps(outputs: int, delay: float) -> tuple[tuple[IntArray, FloatArray], ...]:
-    """Stage 1 for the even and the odd outputs: places of all its taps and their weights, in multiples of four."""
+    """Return stage 1 for the even and for the odd outputs: addresses and weights of all its taps,
+    in multiples of four.
+    """
     newest_last = shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, delay)[::-1]
     h = np.concatenate([newest_last, np.zeros(3)])
     found = []
     for first in (0, 4):
         position = first + np.arange(len(h))
-        position[len(STAGE1) :] = first  # weight 0: any place will do
+        position[len(STAGE1) :] = first  # padding of weight 0, at any valid address
         found.append((position % 8 * (HISTORY1 + outputs) + position // 8, h))
     return tuple(found)
 
 
 class Decimator:
-    """Streaming low-pass and decimation by 8 of one channel, in blocks of fixed size; zeros precede the stream.
+    """Streaming low-pass and decimation by 8 of one channel, in blocks of fixed size; zeros precede
+    the stream.
 
-    skew: inputs by which the channel comes late beyond the common delay, negative where it comes early.
+    skew: inputs by which the channel is delayed beyond the common delay, negative where it comes
+    early.
     """
 
     def __init__(self, outputs: int, skew: float = 0.0) -> None:
@@ -133,7 +152,10 @@ class Decimator:
         self._out = np.empty(outputs)
 
     def push(self, x: FloatArray) -> FloatArray:
-        """Filter the next (8 outputs,) inputs; output n is the filter's at input 8 n. Always returns the same array."""
+        """Filter the next (8 outputs,) inputs; output n belongs to input 8 n.
+
+        Always returns the same array.
+        """
         if self._skewed is None:
             _decimate(x, self._inputs, self._halves, self._taps, self._out)
         else:
@@ -149,11 +171,14 @@ def _decimate(
     taps: tuple[tuple[IntArray, IntArray, FloatArray, int, float], ...],
     out: FloatArray,
 ) -> None:
-    """One block: sort the inputs by phase behind their history, run stage 1 into `halves`, stage 2 into `out`."""
+    """Filter one block: append the inputs, sorted by phase, to their history; run stage 1 into
+    `halves`, stage 2 into `out`.
+    """
     n = out.size
     inputs[:, :HISTORY1] = inputs[:, n:]
     halves[:, :HISTORY2] = halves[:, n:]
     even, odd, last = taps
+    # Tile by tile through both stages, so that each stage finds its inputs in the cache.
     for start in range(0, n, TILE):
         count = min(TILE, n - start)
         for phase in range(8):
@@ -174,7 +199,7 @@ def _decimate_skewed(
     stage2: tuple[IntArray, IntArray, FloatArray, int, float],
     out: FloatArray,
 ) -> None:
-    """As `_decimate`, with a stage 1 that is not symmetric."""
+    """Filter one block as `_decimate` does, with a stage 1 that is not symmetric."""
     n = out.size
     inputs[:, :HISTORY1] = inputs[:, n:]
     halves[:, :HISTORY2] = halves[:, n:]
@@ -192,7 +217,9 @@ def _decimate_skewed(
 
 @numba.njit(cache=True, nogil=True)
 def _convolve_all(source: FloatArray, taps: tuple[IntArray, FloatArray], start: int, out: FloatArray) -> None:
-    """Outputs start, start + 1... of one filter without symmetry; four taps per pass over the outputs."""
+    """Compute outputs start, start + 1, ... of a filter without symmetry; four taps per pass over
+    the outputs.
+    """
     place, weights = taps
     n = out.size
     out[:] = 0.0
@@ -210,7 +237,9 @@ def _convolve_all(source: FloatArray, taps: tuple[IntArray, FloatArray], start: 
 def _convolve(
     source: FloatArray, taps: tuple[IntArray, IntArray, FloatArray, int, float], start: int, out: FloatArray
 ) -> None:
-    """Outputs start, start + 1... of one filter; four pairs of taps per pass over the outputs."""
+    """Compute outputs start, start + 1, ... of a symmetric filter; four pairs of taps per pass over
+    the outputs.
+    """
     left, right, weights, centre, centre_weight = taps
     n = out.size
     middle = source[start + centre : start + centre + n]
@@ -226,6 +255,6 @@ def _convolve(
         b1 = source[start + right[q + 1] : start + right[q + 1] + n]
         b2 = source[start + right[q + 2] : start + right[q + 2] + n]
         b3 = source[start + right[q + 3] : start + right[q + 3] + n]
-        for i in range(n):
+        for i in range(n):  # the order of this sum is part of the result: codes must not change
             half = w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i])
             out[i] += half + (w2 * (a2[i] + b2[i]) + w3 * (a3[i] + b3[i]))

@@ -16,18 +16,21 @@ from daq.chain.source import FloatArray
 __all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "NotFinite", "noise_volts"]
 
 BLOCK = 5120  # most output samples per internal block
-FILTER_DELAY = DELAY - 0.5 / OVERSAMPLING  # samples; output n is centred at drive time (n - FILTER_DELAY) / rate
+# samples; output n is centred at drive time (n - FILTER_DELAY) / rate
+FILTER_DELAY = DELAY - 0.5 / OVERSAMPLING
 
 Codes = npt.NDArray[np.int32]
 
 
 class NotFinite(Exception):
-    """A source delivered a value that is not a finite number; no code stands for it."""
+    """A source delivered a value that is not a finite number, which no code can represent."""
 
 
 @dataclass(frozen=True)
 class Converter:
-    """One channel's arithmetic in codes: code = round(volts * codes_per_volt + gauss * noise), cut at the rails."""
+    """One channel's conversion: code = round(volts * codes_per_volt + gauss * noise), clipped to
+    lowest..highest.
+    """
 
     codes_per_volt: float
     noise: float
@@ -36,22 +39,28 @@ class Converter:
 
 
 def noise_volts(channel: Channel, analyzer: AnalyzerSpec, state: ChannelState, rate: float) -> float:
-    """Rms noise at the converter in V: transducer and analyzer in quadrature, each in the band 0..rate/2 (Hz)."""
+    """Return the rms noise at the converter in V: transducer and analyzer in quadrature, each in
+    the band 0..rate/2 (Hz).
+    """
     sensor = channel.transducer.noise_in_band(rate) * state.sensitivity * state.gain
     return math.hypot(sensor, analyzer.noise_in_band(channel.range_V, rate))
 
 
 def block_size(samples: int) -> int:
-    """Smallest block that covers `samples` in as few blocks of at most BLOCK as possible."""
+    """Return the smallest block size that covers `samples` in as few blocks of at most BLOCK as
+    possible.
+    """
     return math.ceil(samples / math.ceil(samples / BLOCK))
 
 
 class FrontEnd:
-    """Volts at the oversampled rate become codes at the output rate, block by block, for all channels.
+    """Converts volts at the oversampled rate to codes at the output rate, block by block, for all
+    channels.
 
-    rate: output rate in Hz. noise: one generator per channel; a channel without noise draws nothing from it.
-    samples: how many will be read in all, where that is known: the internal blocks are then cut so that hardly any
-    are computed for nothing. Blocks have one size from start to end, so that no result depends on how a record is read.
+    rate: output rate in Hz. noise: one generator per channel; a channel without noise draws nothing
+    from it. samples: total number that will be read, where known: the block size is then chosen so
+    that hardly any output is computed in vain. Blocks have one size from start to end, so that no
+    result depends on how a record is read.
     """
 
     def __init__(
@@ -80,21 +89,26 @@ class FrontEnd:
             self._converters.append(Converter(state.gain / code, sigma / code, self.lowest, self.highest))
         self._noise = tuple(noise)
         self.block = block_size(samples)
-        # Sampled late by the skew, a channel shows its signal early.
+        # A channel sampled late shows its signal early: hence the minus sign.
         self._decimators = [Decimator(self.block, -state.skew * OVERSAMPLING * rate) for state in states]
-        self._flicker = [
-            Flicker(channel.transducer.noise_spots, state.sensitivity, rate, rng)
-            if channel.transducer.noise_spots
-            else None
-            for channel, state, rng in zip(channels, states, noise, strict=True)
-        ]
+        self._flicker: list[Flicker | None] = []
+        for channel, state, rng in zip(channels, states, noise, strict=True):
+            spots = channel.transducer.noise_spots
+            self._flicker.append(Flicker(spots, state.sensitivity, rate, rng) if spots else None)
         self._gauss = np.zeros(self.block)
 
     def convert(self, volts: FloatArray) -> Codes:
-        """Codes (channels, block) of the next volts (channels, 8 block); the array belongs to the caller. NotFinite."""
+        """Return the codes (channels, block) of the next volts (channels, 8 block).
+
+        Raises NotFinite.
+
+        The array belongs to the caller.
+        """
         codes = np.empty((len(self._converters), self.block), dtype=np.int32)
         for row, converter in enumerate(self._converters):
             filtered = self._decimators[row].push(volts[row])
+            # Checked after the filter, an eighth of the data: a non-finite input makes outputs
+            # non-finite too.
             if not np.isfinite(filtered).all():
                 raise NotFinite(f"channel {self.names[row]}: the source delivered a value that is not finite")
             flicker = self._flicker[row]
@@ -111,7 +125,7 @@ class FrontEnd:
 def _quantise(
     volts: FloatArray, per_volt: float, gauss: FloatArray, noise: float, lowest: int, highest: int, codes: Codes
 ) -> None:
-    """Round half to even, after the cut at the rails."""
+    """Clip to the rails, then round half to even."""
     for i in range(volts.size):
         value = per_volt * volts[i] + noise * gauss[i]
         codes[i] = np.int32(np.rint(min(max(value, lowest), highest)))

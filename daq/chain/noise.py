@@ -1,4 +1,6 @@
-"""Noise that rises towards low frequencies: white noise is the front end's, the rest is made here, if asked for."""
+"""The 1/f part of a channel's noise, for transducers that state spot densities; the front end adds
+the white part.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +15,13 @@ __all__ = ["Flicker", "sections"]
 
 
 def sections(spots: Sequence[float]) -> FloatArray:
-    """Power densities s_i (unit^2/Hz) of first-order sections s_i / (1 + (f / f_i)^2), f_i = 1, 10, 100 Hz, that lie
-    through the spots together with white noise of the last spot's density.
+    """Return power densities s_i (unit^2/Hz) of first-order sections s_i / (1 + (f / f_i)^2), f_i =
+    1, 10, 100 Hz.
 
-    One section to a decade follows a 1/f law to within half a decibel; below 1 Hz the density stays level. ValueError
-    where the spots do not fall fast or steadily enough for sections of positive power.
+    Together with white noise of the last spot's density they pass through all spots. One section
+    per decade follows a 1/f law to within half a decibel; below 1 Hz the density is constant.
+    Raises ValueError where the spots do not fall fast or steadily enough for sections of positive
+    power.
     """
     f = np.array(SPOTS[:-1])
     excess = np.square(spots[:-1]) - spots[-1] ** 2
@@ -28,15 +32,17 @@ def sections(spots: Sequence[float]) -> FloatArray:
 
 
 class Flicker:
-    """The part of a channel's noise above its white floor, sample by sample at the output rate (Hz).
+    """A channel's noise above its white floor, sample by sample at the output rate (Hz).
 
-    spots: densities at `SPOTS`, of the channel after `scale`. Sections are autoregressions that start in their steady
-    state; each draws its own numbers from the channel's generator, block by block.
+    spots: densities at `SPOTS`, converted to the channel's volts by `scale`. Each section is a
+    first-order autoregression that starts in its steady state and draws its own numbers from the
+    channel's generator, block by block.
     """
 
     def __init__(self, spots: Sequence[float], scale: float, rate: float, rng: np.random.Generator) -> None:
         corner = np.array(SPOTS[:-1])
         self._keep = np.array([math.exp(-2 * math.pi * value / rate) for value in SPOTS[:-1]])
+        # Variance of a section: the integral of s / (1 + (f/f_i)^2) over f > 0 is s f_i pi/2.
         self._sigma = scale * np.sqrt(sections(spots) * math.pi / 2 * corner)
         self._rng = rng
         self._state = self._sigma * rng.standard_normal(corner.size)
@@ -49,7 +55,9 @@ class Flicker:
 
 @numba.njit(cache=True, nogil=True)
 def _add_sections(volts: FloatArray, gauss: FloatArray, keep: FloatArray, sigma: FloatArray, state: FloatArray) -> None:
-    """x_i <- keep_i x_i + sigma_i sqrt(1 - keep_i^2) g for every section; their sum is added."""
+    """Add the sum of all sections: x_i <- keep_i x_i + sigma_i sqrt(1 - keep_i^2) g, g standard
+    normal.
+    """
     for k in range(keep.size):
         x, step = state[k], sigma[k] * math.sqrt(1 - keep[k] ** 2)
         for i in range(volts.size):

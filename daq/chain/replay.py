@@ -1,4 +1,6 @@
-"""A recorded run behind the interface of an acquisition: what read the emulated analyzer reads it all the same."""
+"""Play a recorded run back through the `Acquisition` interface; consumers cannot tell it from the
+emulated analyzer.
+"""
 
 import numpy as np
 
@@ -13,11 +15,11 @@ OVERLOAD = np.uint16(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
 
 class Replayed:
-    """An acquisition that delivers the codes of one run of a record, as they were recorded.
+    """An acquisition that delivers the recorded codes of one run of a session.
 
-    Reads of the sizes in `sizes` give the recorded blocks, quality bits and all. Any other read recounts the samples at
-    the rails (and those alone) and takes every other bit of the recorded blocks that it touches. The record stays open
-    with its owner.
+    Reads of the sizes in `sizes` return the recorded blocks, with their quality bits. Any other
+    read counts the samples at the rails anew and combines all other bits of the recorded blocks
+    that it touches. The caller keeps the record open.
     """
 
     def __init__(self, record: Record, run: str) -> None:
@@ -26,6 +28,7 @@ class Replayed:
         self._rows = record.blocks(run)
         self._starts = self._rows["start"].astype(np.int64)
         self._ends = self._starts + self._rows["count"]
+        # In codes: range over volts per code.
         rails = [round(info.range_V / info.scale) for info in record.channels.values()]
         self._rails = np.array(rails, dtype=np.int64)[:, np.newaxis]
         self._next = 0
@@ -46,7 +49,10 @@ class Replayed:
         return tuple(int(count) for count in self._rows["count"])
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel. ValueError for n < 1, SessionError past the end of the run."""
+        """Return the next n samples of every channel.
+
+        Raises ValueError for n < 1, SessionError past the end of the run.
+        """
         if n < 1:
             raise ValueError(f"{n} samples were asked for")
         start, stop = self._next, self._next + n
@@ -58,6 +64,7 @@ class Replayed:
         self._next = stop
         touched = self._rows[(self._starts < stop) & (self._ends > start)]
         flags = np.bitwise_or.reduce(touched["flags"], axis=0, initial=np.uint16(0))
+        # The recorded counts hold for whole blocks only.
         if start in self._starts and stop in self._ends:
             clipped = touched["clipped"].sum(axis=0, dtype=np.uint32)
         else:

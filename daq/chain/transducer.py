@@ -1,4 +1,6 @@
-"""Transducers: a physical quantity becomes a voltage, by the actual sensitivity and through the high-pass pole."""
+"""Transducers: a physical quantity becomes a voltage, through the actual sensitivity and the
+high-pass pole.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +15,12 @@ __all__ = ["Transduced", "high_pass"]
 
 
 class Transduced:
-    """An AnalogSource: a physical source seen through one transducer per channel, in the given actual states.
+    """An AnalogSource: a physical source measured by one transducer per channel, in the given
+    actual states.
 
-    The pole of a discharge time constant tau (y = x - z, z' = (x - z) / tau) is solved exactly for inputs that are
-    constant over each interval, with z = 0 at drive time 0. A transducer without pole costs a multiplication. Each
-    call of `volts` returns the same array, filled anew.
+    The pole of a discharge time constant tau (y = x - z, z' = (x - z) / tau) is solved exactly for
+    inputs that are constant over each interval, with z = 0 at drive time 0. A transducer without a
+    pole is a multiplication. Each call of `volts` refills and returns the same array.
     """
 
     def __init__(self, source: PhysicalSource, states: Sequence[ChannelState]) -> None:
@@ -40,7 +43,7 @@ class Transduced:
         return self._source.rate
 
     def volts(self, n: int) -> FloatArray:
-        """Next n interval means in volts, shape (channels, n)."""
+        """Return the next n interval means in volts, shape (channels, n)."""
         physical = self._source.read(n)
         if self._volts.shape[1] != n:
             self._volts = np.empty((len(self._steps), n))
@@ -54,10 +57,14 @@ class Transduced:
 
 @numba.njit(cache=True, nogil=True)
 def high_pass(x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray) -> float:
-    """One pole over consecutive intervals of length step = dt / tau; returns z at the end. `volts` may be `x` itself.
+    """Apply one pole over consecutive intervals of length step = dt / tau; return z at the end.
 
-    Over one interval z runs from z0 to x + (z0 - x) e^-step, so that the mean of y is (x - z0) (1 - e^-step) / step.
+    `volts` may be `x` itself.
+
+    Over one interval z runs from z0 to x + (z0 - x) e^-step, so that the mean of y is (x - z0) (1 -
+    e^-step) / step.
     """
+    # expm1 keeps its digits for the short steps of a slow pole.
     keep, add = math.exp(-step), -math.expm1(-step)
     scale = sensitivity * add / step
     for i in range(x.size):

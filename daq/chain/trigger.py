@@ -1,4 +1,6 @@
-"""A triggered acquisition: the record begins some samples before a channel passes a level."""
+"""A triggered acquisition: the record begins a given number of samples before a channel passes a
+level.
+"""
 
 from typing import Literal
 
@@ -12,22 +14,23 @@ from daq.chain.fir import DELAY
 __all__ = ["NoTrigger", "Triggered"]
 
 PIECE = 1024  # samples read at a time while waiting
-ARMED = 2 * int(DELAY)  # samples before which the filter has not filled: they trigger nothing
+ARMED = 2 * int(DELAY)  # samples until the filter has filled; none of them may trigger
 RAILS = np.uint16(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
 Codes = npt.NDArray[np.int32]
 
 
 class NoTrigger(Exception):
-    """The level was not passed in the samples that were waited for."""
+    """The channel did not pass the level within the allowed number of samples."""
 
 
 class Triggered:
-    """An acquisition from the trigger on: its sample 0 lies `before` samples ahead of the sample that triggered.
+    """An acquisition whose sample 0 lies `before` samples ahead of the sample that triggered.
 
-    row: channel that is watched. level: in codes. slope: rising (values above the level) or falling (below). kind:
-    "edge" needs a sample on the other side first, "level" does not. patience: samples to wait at most, from where the
-    trigger is armed: when the filter has filled and `before` samples are there. rails: lowest and highest code.
+    row: channel to watch. level: in codes. slope: rising (values above the level) or falling
+    (below). kind: "edge" needs a sample on the other side first, "level" does not. patience:
+    samples to wait at most, counted from the arming of the trigger, when the filter has filled and
+    `before` samples are available. rails: lowest and highest code.
     """
 
     def __init__(
@@ -61,9 +64,10 @@ class Triggered:
         return self._inner.rate
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel; the first call waits for the trigger. NoTrigger, ValueError for n < 1.
+        """Return the next n samples of every channel; the first call waits for the trigger.
 
-        `first` then is the number of sample 0 in the inner acquisition, counted from where that was handed over.
+        Sets `first` to the index of sample 0 in the inner acquisition, counted from where that was
+        handed over. Raises NoTrigger, and ValueError for n < 1.
         """
         if n < 1:
             raise ValueError(f"{n} samples were asked for")
@@ -80,7 +84,9 @@ class Triggered:
         return Block(start, found.codes, found.flags, found.clipped, found.settling)
 
     def _wait(self) -> tuple[Block, int]:
-        """The samples read so far from the record's first on, and its number."""
+        """Return the samples read so far, from the record's first on, and the index of that first
+        sample.
+        """
         kept = self._inner.read(PIECE)
         origin, looked = kept.start, max(ARMED, self._before)
         armed = looked
@@ -89,26 +95,34 @@ class Triggered:
             if place is not None:
                 at = place - self._before
                 return self._cut(kept, at, kept.count), kept.start - origin + at
+            # All samples up to here are done with, as numbers from the origin; the next piece is
+            # searched from there.
             looked = max(looked, kept.start - origin + kept.count)
             if looked - armed > self._patience:
                 raise NoTrigger(f"no trigger within {self._patience} samples")
+            # One sample more than `before`: an edge may lie between two pieces.
             tail = self._cut(kept, max(kept.count - self._before - 1, 0), kept.count)
             kept = _joined([tail, self._inner.read(PIECE)])
 
     def _passed(self, block: Block, first: int) -> int | None:
-        """Place of the first sample from `first` on that triggers; None for none."""
+        """Return the index of the first sample from `first` on that triggers; None if none does."""
         if first >= block.count:
             return None
+        # The sign turns a falling slope into a rising one, so that one comparison serves both.
         beyond = self._sign * (block.codes[self._row] - self._level) > 0
         hits = beyond.copy()
         if self._kind == "edge":
+            # An edge needs the sample before on the other side; before the first sample of a block
+            # nothing is known.
             hits[1:] &= ~beyond[:-1]
             hits[0] = False
         found = np.flatnonzero(hits[first:])
         return int(found[0]) + first if found.size else None
 
     def _cut(self, block: Block, first: int, last: int) -> Block:
-        """A part of a block; every bit but overload is taken from the whole."""
+        """Return samples first..last of a block, overload counted anew; every other bit is taken
+        from the whole block.
+        """
         codes = block.codes[:, first:last]
         low, high = (np.count_nonzero(codes == rail, axis=1) for rail in self._rails)
         counted = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0)
@@ -117,7 +131,7 @@ class Triggered:
 
 
 def _joined(blocks: list[Block]) -> Block:
-    """Consecutive blocks as one."""
+    """Return consecutive blocks as one."""
     codes = np.concatenate([block.codes for block in blocks], axis=1)
     flags = np.bitwise_or.reduce([block.flags for block in blocks])
     clipped = np.sum([block.clipped for block in blocks], axis=0).astype(np.uint32)

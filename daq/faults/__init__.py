@@ -1,1 +1,1 @@
-"""Faults put in on purpose: before the transducers, or in the blocks."""
+"""Deliberate faults: in the sources ahead of the transducers, or in the blocks of codes."""

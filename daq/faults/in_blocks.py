@@ -1,16 +1,16 @@
-"""Faults of an acquisition, put into its blocks on purpose: what is recorded then, and which bits would be set.
+"""Deliberate faults in an acquisition's blocks: the codes recorded instead, and the quality bits
+set.
 
-    dropout     the samples are lost: code 0, bit GAP
-    cable_open  nothing but the input's own noise; bit IEPE_OPEN where the input feeds its sensor and so can tell
-    stuck       the code before the fault, again and again
-    spike       size x range is added, at one sample or for the duration
-    bias        size x range is added
-    drift       grows evenly from 0 to size x range, and is gone at the end
-    noise       gaussian noise of rms size x range is added
-    gain_step   the signal is (1 + size) times as large
-    clock_slip  from its start the channel comes `size` samples late, so many of them repeated; at its end it catches up
+    dropout     the samples are lost: code 0, bit GAP cable_open  only the input's own noise; bit
+    IEPE_OPEN where the input feeds its sensor and so can detect it stuck       the last code before
+    the fault is repeated spike       size x range is added, at one sample or for the duration bias
+    size x range is added drift       a ramp from 0 to size x range is added; it ends with the fault
+    noise       gaussian noise of rms size x range is added gain_step   the signal is multiplied by
+    (1 + size) clock_slip  from its start the channel lags by `size` samples, `size` of which are
+    repeated;
+                at its end it catches up
 
-All but the first two are silent: only the samples tell.
+All but the first two are silent: only the samples show them.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from daq.chain.acquisition import Acquisition
 from daq.chain.block import Block, Flag
 from daq.chain.source import FloatArray
 
-__all__ = ["KINDS", "Fault", "Faulted"]
+__all__ = ["KINDS", "BlockFault", "Faulted"]
 
 KINDS = ("dropout", "cable_open", "stuck", "spike", "bias", "drift", "noise", "gain_step", "clock_slip")
 FULL = 2**23  # codes at the end of the range
@@ -33,8 +33,10 @@ Codes = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True)
-class Fault:
-    """One fault: `kind` of KINDS, in channel `row`, over the samples start..stop (stop excluded), of a `size`."""
+class BlockFault:
+    """One fault: `kind` of KINDS, in channel `row`, over the samples start..stop (stop excluded),
+    with its `size`.
+    """
 
     kind: str
     row: int
@@ -44,25 +46,29 @@ class Fault:
 
 
 class Faulted:
-    """An acquisition with faults in it. What it delivers does not depend on how it is read.
+    """An acquisition with faults. Its output does not depend on the sizes of the reads.
 
-    noise: a generator for each fault, used by `noise` and `cable_open` only. floor: rms codes of each channel's own
-    noise, for `cable_open`. iepe: whether each input feeds its sensor. Faults follow one another, slips first.
+    noise: one generator per fault, used by `noise` and `cable_open` only. floor: rms of each
+    channel's own noise in codes, for `cable_open`. iepe: whether each input feeds its sensor.
+    Faults are applied in the given order, clock slips first.
     """
 
     def __init__(
         self,
         acquisition: Acquisition,
-        faults: Sequence[Fault],
+        faults: Sequence[BlockFault],
         noise: Sequence[np.random.Generator],
         floor: Sequence[float],
         iepe: Sequence[bool],
     ) -> None:
         self._inner = acquisition
+        # Slips first: they replace the codes by clean ones, and would undo any fault before them.
         order = sorted(range(len(faults)), key=lambda k: faults[k].kind != "clock_slip")
         self._faults = [(faults[k], noise[k]) for k in order]
-        self._held: dict[Fault, float] = {}
+        self._held: dict[BlockFault, float] = {}
         self._floor, self._iepe = tuple(floor), tuple(iepe)
+        # Clean codes are kept as far back as the largest slip reaches, and at least one sample for
+        # `stuck`.
         late = max((round(abs(fault.size)) for fault in faults if fault.kind == "clock_slip"), default=0)
         self._before: Codes = np.zeros((len(acquisition.channels), max(late, 1)), dtype=np.int32)
 
@@ -77,34 +83,39 @@ class Faulted:
         return self._inner.rate
 
     def read(self, n: int) -> Block:
-        """The next n samples of every channel, with those faults that fall into them."""
+        """Return the next n samples of every channel, with the faults that overlap them."""
         block = self._inner.read(n)
         clean = np.concatenate([self._before, block.codes], axis=1)
         self._before = clean[:, -self._before.shape[1] :].copy()
-        hit = [(f, rng) for f, rng in self._faults if f.start < block.start + n and f.stop > block.start]
+        hit = [(fault, rng) for fault, rng in self._faults if _overlap(fault, block)]
         if not hit:
             return block
+        # The inner acquisition may deliver the same arrays again.
         codes, flags, clipped = block.codes.copy(), block.flags.copy(), block.clipped.copy()
         for fault, rng in hit:
             first, last = max(fault.start - block.start, 0), min(fault.stop - block.start, n)
             row = codes[fault.row]
             row[first:last] = _rounded(self._faulty(fault, rng, row, clean[fault.row], first, last, block.start))
             flags[fault.row] |= self._bit(fault)
+        # A fault can push codes to a rail or away from it: overload is counted anew.
         for row in {fault.row for fault, _ in hit}:
             high, low = (int(np.count_nonzero(codes[row] == rail)) for rail in (FULL - 1, -FULL))
             flags[row] = (flags[row] & ~RAILS) | Flag.OVERLOAD_HI * (high > 0) | Flag.OVERLOAD_LO * (low > 0)
             clipped[row] = high + low
         return Block(block.start, codes, flags, clipped, block.settling)
 
-    def _bit(self, fault: Fault) -> np.uint16:
+    def _bit(self, fault: BlockFault) -> np.uint16:
+        """Return the quality bit that shows the fault, 0 for a silent one."""
         if fault.kind == "dropout":
             return np.uint16(Flag.GAP)
         return np.uint16(Flag.IEPE_OPEN if fault.kind == "cable_open" and self._iepe[fault.row] else 0)
 
     def _faulty(
-        self, fault: Fault, rng: np.random.Generator, row: Codes, clean: Codes, first: int, last: int, start: int
+        self, fault: BlockFault, rng: np.random.Generator, row: Codes, clean: Codes, first: int, last: int, start: int
     ) -> FloatArray:
-        """What the samples first..last of a block become. clean: the channel before any fault, `_before` in front."""
+        """Return the samples first..last of a block with the fault. clean: the channel without
+        faults, preceded by `_before`.
+        """
         seen, count, ahead = row[first:last].astype(np.float64), last - first, clean.size - row.size
         match fault.kind:
             case "dropout":
@@ -112,6 +123,7 @@ class Faulted:
             case "cable_open":
                 return self._floor[fault.row] * rng.standard_normal(count)
             case "stuck":
+                # The code before the fault, kept while the fault lasts over several blocks.
                 held = self._held.setdefault(fault, float(clean[ahead + first - 1]))
                 return np.full(count, held)
             case "spike" | "bias":
@@ -130,6 +142,10 @@ class Faulted:
                 raise ValueError(f"no fault {fault.kind!r}; there are {', '.join(KINDS)}")
 
 
+def _overlap(fault: BlockFault, block: Block) -> bool:
+    return fault.start < block.start + block.count and fault.stop > block.start
+
+
 def _rounded(codes: FloatArray) -> FloatArray:
-    """Whole codes inside the converter's rails."""
+    """Return whole codes within the converter's rails."""
     return np.rint(np.clip(codes, -FULL, FULL - 1))

@@ -1,1 +1,1 @@
-"""Files of other tools: records written for them, and theirs read."""
+"""Files of other tools: records written for them, and their records read."""

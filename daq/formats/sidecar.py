@@ -1,8 +1,10 @@
-"""The file beside an exported record: what UFF58, CSV and the like have no place for.
+"""The JSON file beside an exported record: everything that UFF58, CSV and the like have no field
+for.
 
-`run_0001.uff.json` beside `run_0001.uff`: which run it was, whether poles and delays are undone in the samples, where
-the whole cycles begin, the quality flags, and the certificate of each channel. It names the record by its SHA-256, so
-that it never speaks for other samples. Our import reads it.
+`run_0001.uff.json` beside `run_0001.uff`: the run, whether poles and delays are corrected in the
+samples, the position of the whole cycles, the quality flags, and the certificate of each channel.
+It identifies the record by its SHA-256, so that it never describes other samples. `rig import`
+reads it.
 """
 
 import json
@@ -39,7 +41,7 @@ SHAPE = Keys({
 
 @dataclass(frozen=True)
 class FlaggedBlock:
-    """Samples start..start + count of a record whose quality bits (daq.chain.block.Flag) are set, by channel."""
+    """Samples start..start + count; flags: their quality bits (daq.chain.block.Flag) by channel."""
 
     start: int
     count: int
@@ -48,10 +50,11 @@ class FlaggedBlock:
 
 @dataclass(frozen=True)
 class Sidecar:
-    """What stands beside an exported record.
+    """Content of the file beside an exported record.
 
-    corrected: poles and delays are undone in the samples. rate: Hz. window: first sample of the whole cycles that count
-    (fractional where a cycle has no whole number of samples), their number, samples per cycle. channels: certificates.
+    corrected: poles and delays are corrected in the samples. rate: Hz. window: first sample of the
+    whole cycles in the measured part (fractional where a cycle is not a whole number of samples),
+    their number, samples per cycle. channels: certificates.
     """
 
     corrected: bool
@@ -62,12 +65,12 @@ class Sidecar:
 
 
 def sidecar_of(path: Path) -> Path:
-    """Return the path of the file that stands beside an exported record."""
+    """Return the path of the file beside an exported record."""
     return path.with_name(path.name + ".json")
 
 
 def is_sidecar(path: Path) -> bool:
-    """Return whether a file is one that `rig export` wrote beside a record."""
+    """Return whether a file was written by `rig export` beside a record."""
     try:
         return _document(path) is not None
     except FormatError:
@@ -75,10 +78,11 @@ def is_sidecar(path: Path) -> bool:
 
 
 def read_sidecar(path: Path, digest: str) -> Sidecar | None:
-    """Return what stands beside the record `path`, whose SHA-256 is `digest`; None where there is nothing of ours.
+    """Return the sidecar of the record `path`, whose SHA-256 is `digest`; None where there is none
+    of ours.
 
-    Raises FormatError where it cannot be read, as it may be one of ours that was cut; and where it is one of ours and
-    is not as `rig export` writes it, or speaks for other samples.
+    Raises FormatError where the file cannot be read, because it may be a truncated one of ours, and
+    where it is one of ours but malformed, or belongs to other samples.
     """
     beside = sidecar_of(path)
     document = _document(beside)
@@ -102,7 +106,10 @@ def read_sidecar(path: Path, digest: str) -> Sidecar | None:
 
 
 def _document(path: Path) -> dict[str, Any] | None:
-    """Return the JSON of a file of ours, None for any other or none. Raises FormatError for what is no JSON."""
+    """Return the JSON value of a file of ours, None for any other or none.
+
+    Raises FormatError where it is not JSON.
+    """
     if not os.path.lexists(path):
         return None
     try:

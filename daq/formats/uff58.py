@@ -1,7 +1,8 @@
-"""Universal file format, dataset 58 (function at nodal DOF), ASCII in double precision: what every modal tool reads.
+"""Write the universal file format, dataset 58 (function at nodal DOF), ASCII in double precision,
+which all modal tools read.
 
-Layout: SDRC I-DEAS Test Data Acquisition, "Universal Dataset Number 58". Record 7 has room for six digits of the step:
-the exact rate stands in ID line 3.
+Layout: SDRC I-DEAS Test Data Acquisition, "Universal Dataset Number 58". Record 7 has only six
+digits for the step, so that the exact rate is stored in ID line 3.
 """
 
 import io
@@ -20,7 +21,8 @@ __all__ = ["write_uff58"]
 
 TIME, FREQUENCY_RESPONSE = 1, 4  # function types
 REAL_DOUBLE, COMPLEX_DOUBLE = 4, 6  # ordinate data types
-KINDS = {"acceleration": 12, "force": 13, "velocity": 11, "displacement": 8}  # specific data types; 0 is unknown
+# specific data types; 0 is unknown
+KINDS = {"acceleration": 12, "force": 13, "velocity": 11, "displacement": 8}
 SECONDS, HERTZ = 17, 18
 DIRECTIONS = {"x": 1, "y": 2, "z": 3}
 EMPTY_AXIS = (0, "NONE", "NONE")
@@ -28,7 +30,10 @@ Axis = tuple[int, str, str]
 
 
 def write_uff58(path: Path, title: str, waves: Sequence[Wave], spectra: Iterable[Spectrum] = ()) -> None:
-    """Write time responses (type 1), one dataset per wave, then frequency responses (type 4). Raises OSError."""
+    """Write time responses (type 1), one dataset per wave, then frequency responses (type 4).
+
+    Raises OSError.
+    """
     with whole_file(path) as file:
         text = io.TextIOWrapper(file, encoding="ascii", errors="replace", newline="\n", write_through=True)
         _write(text, title, waves, spectra)
@@ -83,7 +88,7 @@ def _dataset(
     text.write(f"{ordinate:10d}{count:10d}{1:10d}{first:13.5e}{step:13.5e}{0.0:13.5e}\n")
     for number, label, unit in axes:
         text.write(f"{number:10d}{0:5d}{0:5d}{0:5d} {visible(label)[:20]:20} {visible(unit)[:20]:20}\n")
-    for chunk in values:  # each but the last is a multiple of four long
+    for chunk in values:  # the length of each but the last is a multiple of four: whole lines
         whole = chunk.size - chunk.size % 4
         np.savetxt(text, chunk[:whole].reshape(-1, 4), fmt="%20.12e", delimiter="")
         if whole < chunk.size:
@@ -92,10 +97,13 @@ def _dataset(
 
 
 def _word(name: str) -> str:
+    """Return a name cut to the ten characters of an entity name."""
     return visible(name)[:10] or "NONE"
 
 
 def _direction(wave: Wave) -> int:
-    """Direction code of a DOF: +-1, 2, 3 for +-x, y, z; 1 for a drive axis without a name."""
+    """Return the direction code of a DOF: +-1, 2, 3 for +-x, y, z; 1 for a drive axis without a
+    name.
+    """
     axis = wave.direction[-1:].lower()
     return DIRECTIONS.get(axis, 1) * (-1 if wave.direction.startswith("-") else 1)

@@ -1,4 +1,6 @@
-"""What crosses the border between a session and other tools' files: a signal in engineering units, a line spectrum."""
+"""Data exchanged between a session and other tools' files: a signal in engineering units, a line
+spectrum.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,15 +14,15 @@ from daq.session.record import Record
 __all__ = ["CHUNK", "FormatError", "MissingReader", "RecordedSignal", "Samples", "Spectrum", "Wave"]
 
 CHUNK = 65536
-"""Samples that are held at a time; a multiple of the four numbers in a line of UFF58."""
+"""Samples held at a time; a multiple of four, the numbers in a line of UFF58."""
 
 
 class FormatError(Exception):
-    """A file of another tool cannot be read or written; the message is one clear sentence."""
+    """A file of another tool cannot be read or written; the message is one sentence."""
 
 
 class MissingReader(FormatError):
-    """The library that reads a format is not installed."""
+    """The library for a format is not installed."""
 
     def __init__(self, kind: str, package: str) -> None:
         super().__init__(f"reading {kind} needs the package {package}: pip install 'particle-damper-rig[formats]'")
@@ -37,7 +39,9 @@ class Samples(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RecordedSignal:
-    """A channel of a recorded run as the codes have it: engineering units by the certified sensitivity, no more."""
+    """A channel of a recorded run in engineering units by the certified sensitivity, without
+    corrections.
+    """
 
     record: Record
     run: str
@@ -58,13 +62,13 @@ class RecordedSignal:
             yield self.read(start, min(start + length, self.size))
 
     def samples(self) -> npt.NDArray[np.float64]:
-        """Return all of them at once."""
+        """Return all samples at once."""
         return self.read(0, self.size)
 
 
 @dataclass(frozen=True, eq=False)
 class Wave:
-    """Evenly sampled values of one channel. rate: Hz; start: ISO 8601, "" where it is not known."""
+    """Evenly sampled values of one channel. rate: Hz; start: ISO 8601, "" where unknown."""
 
     name: str
     quantity: str
@@ -82,7 +86,9 @@ class Wave:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A frequency response at multiples 1, 2, ... of `step` (Hz): response over reference, e^(+jwt), peak phasors."""
+    """A frequency response at multiples 1, 2, ... of `step` (Hz): response over reference,
+    e^(+jwt), peak phasors.
+    """
 
     response: str
     reference: str

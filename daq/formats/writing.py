@@ -1,4 +1,4 @@
-"""A run of a session as other tools like it: CSV, SEP-005, MATLAB."""
+"""Write a run of a session for other tools: CSV, SEP-005, MATLAB."""
 
 import csv
 import io
@@ -15,13 +15,14 @@ from daq.whole_files import whole_file
 __all__ = ["sep005", "write_csv", "write_mat", "write_sep005"]
 
 QUANTITIES = {"force": "f", "acceleration": "a"}
-"""SEP-005's letters."""
+"""SEP-005's letters for quantities."""
 
 
 def write_csv(path: Path, waves: Sequence[Wave]) -> None:
-    """Write a column per channel with 17 digits, which read back to the same numbers, chunk by chunk.
+    """Write one column per channel, chunk by chunk, with 17 digits, which read back to the same
+    numbers. Raises OSError.
 
-    There is no time column: rate, start and all other facts stand in the file beside it. Raises OSError.
+    There is no time column: rate, start and all other facts are in the file beside it.
     """
     head = io.StringIO()
     csv.writer(head, lineterminator="\n").writerow([cell_text(f"{wave.name} [{wave.unit}]") for wave in waves])
@@ -32,12 +33,13 @@ def write_csv(path: Path, waves: Sequence[Wave]) -> None:
 
 
 def sep005(waves: Sequence[Wave]) -> list[dict[str, Any]]:
-    """The waves as SEP-005 dicts: data, name, unit_str, fs, quantity, start_timestamp."""
+    """Return the waves as SEP-005 dicts: data, name, unit_str, fs, quantity, start_timestamp."""
     return [_facts(wave) for wave in waves]
 
 
 def write_sep005(path: Path, waves: Sequence[Wave]) -> None:
-    """SEP-005 dicts in an npz file without pickle: arrays data_0, data_1, ... and the rest as JSON in `channels`.
+    """Write SEP-005 dicts to an npz file without pickle: arrays data_0, data_1, ... and the rest as
+    JSON in `channels`.
 
     Raises OSError.
     """
@@ -49,7 +51,9 @@ def write_sep005(path: Path, waves: Sequence[Wave]) -> None:
 
 
 def write_mat(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
-    """MATLAB (version 5): a column vector per channel, `fs` in Hz, `units`, `start` and `session`. Raises OSError."""
+    """Write MATLAB (version 5): one column vector per channel, `fs` in Hz, `units`, `start` and
+    `session`. Raises OSError.
+    """
     from scipy import io as matlab
 
     values: dict[str, Any] = {wave.name: wave.samples[:, np.newaxis] for wave in waves}
@@ -61,7 +65,9 @@ def write_mat(path: Path, waves: Sequence[Wave], facts: dict[str, Any]) -> None:
 
 
 def _facts(wave: Wave) -> dict[str, Any]:
-    rate = int(wave.rate) if wave.rate.is_integer() else wave.rate  # pyFRF takes whole numbers of Hz only
+    """Return one wave as a SEP-005 dict."""
+    # pyFRF takes whole numbers of Hz only
+    rate = int(wave.rate) if wave.rate.is_integer() else wave.rate
     found: dict[str, Any] = {"data": wave.samples, "name": wave.name, "unit_str": wave.unit, "fs": rate}
     if wave.quantity in QUANTITIES:
         found["quantity"] = QUANTITIES[wave.quantity]

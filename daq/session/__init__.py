@@ -1,1 +1,1 @@
-"""Session files: written by one writer, read by anybody, validated, copied."""
+"""Session files: written by one writer, readable by anybody, validated, copied."""

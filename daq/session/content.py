@@ -1,4 +1,6 @@
-"""What a session must hold to be read: plans, channel table, status and block tables, and their deviations."""
+"""The required content of a session: plans, channel table, status and block tables, and deviations
+from it.
+"""
 
 import dataclasses
 import json
@@ -32,8 +34,8 @@ __all__ = [
 
 COUNT = Number(0, whole=True)
 POSITIVE = Number(0.0, above=True)
-RATE = Number(1e-6)  # Hz; slower, and a cycle has no sample that a number could count
-SMALLEST = 1e-15  # V per unit, V: a smaller scale makes numbers that overflow
+RATE = Number(1e-6)  # Hz; below it, samples per cycle vanish and quotients by them overflow
+SMALLEST = 1e-15  # V per unit, V: dividing by a smaller scale could overflow
 
 RUNS = List(
     Keys(
@@ -60,20 +62,27 @@ CHANNEL = Keys(
     {"position": COUNT, **{name: shape for name, shape in _FIELDS.items() if name not in _DEFAULTED}},
     {name: shape for name, shape in _FIELDS.items() if name in _DEFAULTED},
 )
-"""A group of `session/channels`: its attributes. A time constant is null here where the file holds an infinite one."""
+"""Attributes of a group of `session/channels`.
+
+A time constant is null here where the file holds an infinite one.
+"""
 
 
 def refuse(found: Iterable[str]) -> None:
-    """Raise ValueError with the first deviation, where there is one."""
+    """Raise ValueError with the first deviation, if there is any."""
     for sentence in found:
         raise ValueError(sentence)
 
 
 def read_json(file: Any, path: str) -> Any:
-    """The JSON value of a text dataset. ValueError where it is none; NaN, Infinity and half characters are none."""
+    """Return the JSON value of a text dataset.
+
+    Raises ValueError where it is not JSON; NaN, Infinity and lone surrogates are not allowed.
+    """
     source = read_text(dataset(file, path))
     value = json.loads(source, parse_constant=_no_constant)
-    if "\\u" in source:  # only an escape can hold half a character, which no file or terminal takes
+    # only an escape can hold a lone surrogate, which cannot be encoded as UTF-8
+    if "\\u" in source:
         json.dumps(value, ensure_ascii=False).encode()
     return value
 
@@ -83,7 +92,9 @@ def _no_constant(word: str) -> Any:
 
 
 def plan_deviations(runs: Any) -> Iterator[str]:
-    """What is wrong with the plans of the runs (the JSON value of `session/runs`)."""
+    """Yield a sentence for each deviation of the plans of the runs (the JSON value of
+    `session/runs`).
+    """
     found = list(deviations(runs, RUNS, "session/runs"))
     yield from found
     if found:
@@ -98,14 +109,21 @@ def plan_deviations(runs: Any) -> Iterator[str]:
 
 
 def plans_of(runs: Any) -> dict[str, RunPlan]:
-    """The plans by name; keys that this version does not know are passed over. ValueError for deviations."""
+    """Return the plans by name.
+
+    Raises ValueError for deviations; keys unknown to this version are ignored.
+    """
     refuse(plan_deviations(runs))
     known = {item.name for item in dataclasses.fields(RunPlan)}
-    return {run["name"]: RunPlan(**{key: value for key, value in run.items() if key in known}) for run in runs}
+    plans = {}
+    for run in runs:
+        fields = {key: value for key, value in run.items() if key in known}
+        plans[run["name"]] = RunPlan(**fields)
+    return plans
 
 
 def condition_deviations(plans: Mapping[str, RunPlan], conditions: Iterable[str]) -> Iterator[str]:
-    """Runs of conditions that the session does not list."""
+    """Yield a sentence for each run whose condition the session does not list."""
     known = set(conditions)
     for name, plan in plans.items():
         if plan.condition not in known:
@@ -113,7 +131,7 @@ def condition_deviations(plans: Mapping[str, RunPlan], conditions: Iterable[str]
 
 
 def read_channel_rows(file: Any) -> dict[str, dict[str, Any]]:
-    """The channel table as it lies in the file: attributes by group name."""
+    """Return the channel table as stored in the file: attributes by group name."""
     names = members(file, "session/channels")
     rows = {name: read_attributes(file, f"session/channels/{name}") for name in names}
     for row in rows.values():
@@ -123,7 +141,7 @@ def read_channel_rows(file: Any) -> dict[str, dict[str, Any]]:
 
 
 def channel_deviations(rows: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """What is wrong with the channel table."""
+    """Yield a sentence for each deviation of the channel table."""
     for name, row in rows.items():
         place = f"session/channels/{name}"
         yield from deviations(row, CHANNEL, place)
@@ -139,14 +157,15 @@ def channel_deviations(rows: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
 
 
 def channel_of(row: Mapping[str, Any]) -> ChannelInfo:
-    """A row of the channel table that has no deviations."""
+    """Return the ChannelInfo of a row of the channel table without deviations."""
+    # HDF5 readers return whole numbers as int, but the fields are floats.
     given: dict[str, Any] = {name: row[name] for name in _FIELDS if name in row}
     numbers: dict[str, Any] = {name: float(value) for name, value in given.items() if isinstance(value, int)}
     return ChannelInfo(**{**given, **numbers})
 
 
 def status_deviations(plans: Mapping[str, RunPlan], rows: npt.NDArray[np.void]) -> Iterator[str]:
-    """What is wrong with the status table: a row for each plan."""
+    """Yield a sentence for each deviation of the status table, which has one row per plan."""
     for (name, plan), row in zip(plans.items(), rows, strict=True):
         if row["samples"] > plan.samples or row["blocks"] > plan.blocks:
             yield f"session/status: {name} has {row['samples']} samples in {row['blocks']} blocks, more than planned"
@@ -155,7 +174,11 @@ def status_deviations(plans: Mapping[str, RunPlan], rows: npt.NDArray[np.void]) 
 
 
 def block_deviations(run: str, samples: int, rows: npt.NDArray[np.void]) -> Iterator[str]:
-    """What is wrong with the block rows of a run that has so many samples: blocks follow each other from 0 on."""
+    """Yield a sentence for each deviation in the block rows of a run with `samples` samples: blocks
+    are consecutive from 0 on.
+    """
+    # Unsigned 64 bit throughout: counts from a foreign file must not wrap around to plausible
+    # positions.
     ends = np.cumsum(rows["count"], dtype=np.uint64)
     if not np.array_equal(rows["start"], ends - rows["count"]) or (int(ends[-1]) if len(ends) else 0) != samples:
         yield f"{run}/blocks: the blocks do not follow each other from sample 0 to {samples}"

@@ -1,4 +1,4 @@
-"""The plan that a record was made from, read back from it."""
+"""Rebuild the plan from which a record was made."""
 
 from typing import Any
 
@@ -10,7 +10,9 @@ __all__ = ["plan_of"]
 
 
 def plan_of(record: Record, **documents: Any) -> SessionPlan:
-    """The plan of a session that equals `record` in everything but the samples, with further documents."""
+    """Return the plan of a session that equals `record` in everything but the samples, with
+    additional documents.
+    """
     truth = record.truth
     attributes = {name: value for name, value in record.attributes("").items() if name not in ROOT_NAMES}
     return SessionPlan(

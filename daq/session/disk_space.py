@@ -1,4 +1,4 @@
-"""Room on the disk, taken before it is needed: a disk that is too full says so before anything is recorded."""
+"""Allocate disk space in advance, so that a full disk is reported before anything is recorded."""
 
 import errno
 import os
@@ -10,9 +10,11 @@ NOT_SUPPORTED = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS}
 
 
 def reserve(path: Path, size: int | None = None) -> None:
-    """Take the disk space of a file's first `size` bytes, None for all that it has; made where it is not there.
+    """Allocate the disk space of a file's first `size` bytes, its present size for None; create it
+    where missing.
 
-    Raises OSError where there is not so much. Does nothing where the system or the file system knows no such call.
+    Raises OSError where there is not enough. Does nothing where the system or the file system does
+    not support it.
     """
     if not hasattr(os, "posix_fallocate"):
         return

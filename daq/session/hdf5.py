@@ -1,8 +1,8 @@
 """The few HDF5 operations that a session needs, on h5py's low-level calls.
 
-A session has thousands of small objects, and the high-level calls take some five times longer. All space is
-allocated when a dataset is created, so that no metadata change while samples arrive: a killed writer can only leave
-unwritten samples, which the status table does not count.
+A session has thousands of small objects, and the high-level calls take about five times longer. All
+space is allocated when a dataset is created, so that no metadata change while samples arrive: a
+killed writer can only leave unwritten samples, which the status table does not count.
 """
 
 import math
@@ -22,8 +22,8 @@ from daq.session.writer_lock import is_locked
 
 __all__ = [
     "AttributeValue",
-    "Rows",
-    "Table",
+    "RowWriter",
+    "TableReader",
     "array",
     "attributes",
     "dataset",
@@ -40,8 +40,9 @@ __all__ = [
 
 AttributeValue = str | int | float | Sequence[str]
 FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32})
-CHUNK_CACHE = 2**18  # bytes per dataset, four chunks: records are written and read in order, once
-IN_HEADER = 64  # attributes of a group that are kept in its header
+# bytes per dataset, four chunks: enough, as records are written and read once, in order
+CHUNK_CACHE = 2**18
+IN_HEADER = 64  # attributes kept in a group's header
 FORMAT = ("v110", "v110")
 SCALAR = h5s.create(h5s.SCALAR)
 
@@ -49,18 +50,19 @@ SCALAR = h5s.create(h5s.SCALAR)
 def open_file(path: Path, mode: str) -> Any:
     """Open an HDF5 file (h5py.File) for writing, in the format of HDF5 1.10.
 
-    1.10 is the oldest format with the single-writer mode. What is newer, HDF5 before 2.0 cannot read: it refuses
-    the datatype messages of "latest".
+    1.10 is the oldest format with the single-writer mode. HDF5 before 2.0 cannot read anything
+    newer: it rejects the datatype messages of "latest".
     """
     return h5py.File(path, mode, libver=FORMAT, rdcc_nbytes=CHUNK_CACHE)  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
 
 
 def open_for_reading(path: Path) -> Any:
-    """Open an HDF5 file (h5py.File) for reading, also while a writer has it open or after the writer was killed.
+    """Open an HDF5 file (h5py.File) for reading, also while a writer has it open or after the
+    writer was killed.
 
-    The reader's side of the single-writer mode is used only while a writer lives, because in that mode HDF5 takes
-    any damage for a write in progress and tries again for hours. A dead writer's mark is passed over: it stays in the
-    file, and the library is shown the file without it.
+    The single-writer mode of reading is used only while a writer lives, because in that mode HDF5
+    takes any damage for a write in progress and retries for hours. The mark of a dead writer stays
+    in the file, but is hidden from the library.
     """
     swmr = marked_open(path)
     source = Unmarked(path) if swmr and not is_locked(path) else path
@@ -70,14 +72,14 @@ def open_for_reading(path: Path) -> Any:
 
 
 def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
-    """Create a group (low-level id) with attributes below a file or group id."""
+    """Create a group with attributes in a file or group; return its low-level id."""
     created = h5g.create(owner, name.encode(), gcpl=_group_layout())
     attributes(created, values)
     return created
 
 
 def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
-    """Create attributes: text as fixed-length UTF-8, lists of text as arrays of it, int64, float64."""
+    """Create attributes: text as fixed-length UTF-8, lists of text as its arrays, int64, float64."""
     for name, value in values.items():
         encoded: npt.NDArray[Any]
         if isinstance(value, int):
@@ -92,24 +94,29 @@ def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
 
 
 def text(owner: Any, name: str, value: str) -> None:
-    """Create a scalar UTF-8 dataset of fixed length (attributes end at 64 kB; variable lengths do not suit SWMR)."""
+    """Create a scalar UTF-8 dataset of fixed length (attributes end at 64 kB; variable lengths do
+    not suit SWMR).
+    """
     encoded = np.array(value.encode())
     kind = _text_type(encoded.dtype.itemsize)
     h5d.create(owner, name.encode(), kind, SCALAR).write(h5s.ALL, h5s.ALL, encoded, mtype=kind)
 
 
 def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
-    """Create a fixed-size dataset with its space allocated now. Tables (chunk = 0) are filled with zeros now."""
+    """Create a fixed-size dataset with allocated space. Tables (chunk = 0) are filled with zeros."""
     return h5d.create(
         owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), _array_layout(chunk)
     )
 
 
 def has(file: Any, path: str, known: set[str] | None = None) -> bool:
-    """Whether hard links lead to `path`. Soft and external links are not followed: they may point at other files.
+    """Return whether hard links lead to `path`.
 
-    known: groups that hard links lead to, which need no second look; those found on the way are added.
+    Soft and external links are not followed: they may point at other files.
+
+    known: groups already found by hard links, which need no second check; new ones are added.
     """
+    # Every prefix of the path is checked, because HDF5 would follow a soft link in its middle.
     links, end = file.id.links, path.find("/")
     while True:
         place = path if end < 0 else path[:end]
@@ -127,14 +134,16 @@ def has(file: Any, path: str, known: set[str] | None = None) -> bool:
 
 
 def members(file: Any, path: str) -> tuple[str, ...]:
-    """Names in the group at `path`, sorted; KeyError where there is none."""
+    """Return the sorted names in the group at `path`. Raises KeyError where there is none."""
     if not has(file, path):
         raise KeyError(f"{path} is missing")
     return tuple(sorted(name.decode() for name in h5g.open(file.id, path.encode())))
 
 
 def is_text(file: Any, path: str) -> bool:
-    """Whether a scalar text dataset lies at `path` itself, not behind a soft or external link."""
+    """Return whether a scalar text dataset is at `path` itself, not reached through a soft or
+    external link.
+    """
     if not has(file, path) or h5o.get_info(file.id, path.encode()).type != h5o.TYPE_DATASET:
         return False
     found = dataset(file, path)
@@ -143,16 +152,19 @@ def is_text(file: Any, path: str) -> bool:
 
 
 def dataset(file: Any, path: str) -> Any:
-    """Open a dataset (low-level id) whose bytes are in this file, as large as it says it is.
+    """Open a dataset (low-level id) whose bytes are in this file, as many as it claims.
 
-    KeyError where there is none; ValueError where its bytes are elsewhere, fewer than it says, or packed by a filter
-    that not every HDF5 reader has (a filter is code, which a foreign file shall not choose).
+    Raises KeyError where there is none; ValueError where its bytes are elsewhere, fewer than
+    claimed, or packed by a filter that not every HDF5 reader has (a filter is code, and a foreign
+    file must not choose it).
     """
     return _opened(file, path, None)[0]
 
 
 def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tuple[int, ...]]:
-    """As `dataset`, with its type (low-level id) and shape; known: see `has`."""
+    """Return (dataset, its type as a low-level id, its shape), checked as in `dataset`; known: see
+    `has`.
+    """
     if not has(file, path, known):
         raise KeyError(f"{path} is missing")
     found = h5d.open(file.id, path.encode())
@@ -170,7 +182,8 @@ def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tup
     if size > packing * file.id.get_filesize() or size > packing * stored:
         raise ValueError(f"{path} claims {size} bytes, more than the file holds of it")
     if filters:
-        chunk = math.prod(layout.get_chunk()) * item  # unpacked as a whole, however little is read of it
+        # a chunk is unpacked as a whole for any read from it
+        chunk = math.prod(layout.get_chunk()) * item
         if max(size, chunk) > most_unpacked(stored):
             raise ValueError(
                 f"{path} would unpack from {stored} bytes to {max(size, chunk)}; at most {TIMES} times as many are "
@@ -179,11 +192,13 @@ def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tup
     return found, kind, shape
 
 
-class Table:
-    """A dataset of the given type and shape, opened for reading; KeyError or ValueError where it is another.
+class TableReader:
+    """A dataset opened for reading.
 
-    known: see `has`; None where this process has made the file, so that its datasets need no look at where and how
-    they keep their bytes.
+    Raises KeyError or ValueError where its type or shape is not the given one.
+
+    known: see `has`; None where this process has made the file, so that its datasets need no
+    checks.
     """
 
     def __init__(
@@ -195,26 +210,30 @@ class Table:
             kind, there = self._source.get_type(), self._source.shape
         else:
             self._source, kind, there = _opened(file, path, known)
-        # numpy's type of a table takes ten times as long as HDF5's
+        # Comparing HDF5 types first: building numpy's type of a table takes ten times as long.
         same = kind.equal(_memory_type(self._dtype))
         if there != shape or not (same or self._source.dtype == self._dtype):
             raise ValueError(f"{path} holds {self._source.dtype} of shape {there}, expected {self._dtype} of {shape}")
 
     def refresh(self) -> None:
-        """Forget what was read: another process writes."""
+        """Discard cached data, because another process writes."""
         self._source.refresh()
 
     def rows(self, start: int, stop: int) -> npt.NDArray[Any]:
-        """Rows start..stop; ValueError where there are fewer."""
+        """Return rows start..stop. Raises ValueError where there are fewer."""
         rows = np.empty((stop - start, *self._shape[1:]), self._dtype)
         self.read_into(rows, start)
         return rows
 
     def read_into(self, rows: npt.NDArray[Any], start: int) -> None:
-        """Fill contiguous `rows` of the table's type with those from `start` on; ValueError where there are fewer."""
+        """Fill contiguous `rows` of the table's type, beginning with row `start`.
+
+        Raises ValueError where there are fewer.
+        """
         if not 0 <= start <= start + len(rows) <= self._shape[0]:
             raise ValueError(f"rows {start} to {start + len(rows)} of a table of {self._shape[0]}")
         kind = _memory_type(self._dtype)
+        # The common case, a whole table, needs no selection.
         if rows.size and len(rows) == self._shape[0]:
             self._source.read(h5s.ALL, h5s.ALL, rows, kind)
         elif rows.size:
@@ -224,11 +243,11 @@ class Table:
             self._source.read(_whole(shape), space, rows, kind)
 
 
-class Rows:
-    """A dataset of one's own file, opened for writing rows in order.
+class RowWriter:
+    """A dataset of a file of this process, opened for writing rows in order.
 
-    No chunk is kept in memory: HDF5 hands samples on to the operating system as they come, once, and not first to a
-    cache and from there, chunk by chunk, at the flush.
+    No chunk is cached: HDF5 passes samples to the operating system as they come, instead of first
+    copying them into a cache and writing that, chunk by chunk, at the flush.
     """
 
     def __init__(self, file: Any, path: str) -> None:
@@ -238,14 +257,16 @@ class Rows:
         self.shape: tuple[int, ...] = self._target.shape
 
     def write(self, start: int, rows: npt.NDArray[Any]) -> None:
-        """Write rows from `start` on and hand them to the operating system, so that they outlive this process."""
+        """Write rows from `start` on and pass them to the operating system, so that they survive
+        this process.
+        """
         self._space.select_hyperslab((start, *self._rest), rows.shape)
         self._target.write(_whole(rows.shape), self._space, rows, _memory_type(rows.dtype))
         self._target.flush()
 
 
 def read_text(source: Any) -> str:
-    """The value of a scalar text dataset of fixed length; ValueError for any other."""
+    """Return the value of a scalar text dataset of fixed length. Raises ValueError for others."""
     kind = source.get_type()
     if source.shape != () or kind.get_class() != h5t.STRING or kind.is_variable_str():
         raise ValueError("a dataset that is no text of fixed length")
@@ -255,7 +276,10 @@ def read_text(source: Any) -> str:
 
 
 def read_attributes(file: Any, path: str) -> dict[str, Any]:
-    """Attributes of the object at `path` ("" for the root), text decoded; KeyError where there is none."""
+    """Return the attributes of the object at `path` ("" for the root), text decoded.
+
+    Raises KeyError where there is none.
+    """
     if path and not has(file, path):
         raise KeyError(f"{path} is missing")
     attributes = file[path or "/"].attrs
@@ -274,7 +298,9 @@ def _decoded(value: Any) -> Any:
 
 @lru_cache
 def _group_layout() -> Any:
-    """Attributes stay in the group's header: a heap for more than eight would cost more than they do."""
+    """Return a group layout with all attributes in the header: the heap used beyond eight would
+    cost more than they do.
+    """
     layout = h5p.create(h5p.GROUP_CREATE)
     layout.set_attr_phase_change(IN_HEADER, 0)
     return layout
@@ -282,7 +308,11 @@ def _group_layout() -> Any:
 
 @lru_cache
 def _array_layout(chunk: int) -> Any:
+    """Return a dataset layout with its space allocated at creation; chunked data are not filled, as
+    they are written once.
+    """
     layout = h5p.create(h5p.DATASET_CREATE)
+    # all space now: no metadata change while samples arrive
     layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
     layout.set_fill_time(h5d.FILL_TIME_NEVER if chunk else h5d.FILL_TIME_ALLOC)
     if chunk:
@@ -292,20 +322,21 @@ def _array_layout(chunk: int) -> Any:
 
 @lru_cache
 def _uncached() -> Any:
+    """Return access properties without a chunk cache."""
     access = h5p.create(h5p.DATASET_ACCESS)
-    access.set_chunk_cache(1, 0, 1.0)
+    access.set_chunk_cache(1, 0, 1.0)  # zero bytes
     return access
 
 
 @lru_cache
 def _whole(shape: tuple[int, ...]) -> Any:
-    """The dataspace of an array in memory."""
+    """Return the dataspace of an array in memory."""
     return h5s.create_simple(shape)
 
 
 @lru_cache
 def _memory_type(dtype: np.dtype[Any]) -> Any:
-    """The HDF5 type of a numpy one; making it anew costs more than writing a row."""
+    """Return the HDF5 type of a numpy dtype, cached: building it costs more than writing a row."""
     return h5t.py_create(dtype)
 
 

@@ -1,9 +1,11 @@
-"""The consistency flags that mark an HDF5 file as open for writing, and that a killed writer leaves behind.
+"""The consistency flags that mark an HDF5 file as open for writing, and that a killed writer leaves
+set.
 
-HDF5 keeps the marks in its superblock (file format specification 3.0, section II.A, "File Consistency
-Flags": bit 0 open for writing, bit 2 open for single-writer/multiple-reader). A killed writer leaves the mark, and the
-library then refuses to open the file for writing. A session's metadata never change after creation, so removing
-the mark is safe once no writer is alive. The superblock (versions 2 and 3) ends with a lookup3 checksum.
+HDF5 keeps them in its superblock (file format specification 3.0, section II.A, "File Consistency
+Flags": bit 0 open for writing, bit 2 open for single-writer/multiple-reader). While they are set,
+the library refuses to open the file for writing. A session's metadata never change after creation,
+so that clearing them is safe once no writer is alive. The superblock (versions 2 and 3) ends with a
+lookup3 checksum.
 """
 
 import io
@@ -21,7 +23,9 @@ LONGEST_SUPERBLOCK = ADDRESSES_AT + 4 * 255 + 4  # bytes, checksum included
 
 
 def lookup3(data: bytes, initial: int = 0) -> int:
-    """Lookup3 hash (hashlittle; Bob Jenkins, burtleburtle.net/bob/c/lookup3.c) of `data`: HDF5's metadata checksum."""
+    """Return the lookup3 hash (hashlittle; Bob Jenkins, burtleburtle.net/bob/c/lookup3.c) of
+    `data`, HDF5's metadata checksum.
+    """
     mask = 0xFFFFFFFF
     a = b = c = (0xDEADBEEF + len(data) + initial) & mask
     if not data:
@@ -31,7 +35,9 @@ def lookup3(data: bytes, initial: int = 0) -> int:
         return ((x << k) | (x >> (32 - k))) & mask
 
     words = [int.from_bytes(data[i : i + 4], "little") for i in range(0, len(data), 4)]
+    # zeros do not change the sums: as in lookup3.c for the last, partial block
     words += [0] * (-len(words) % 3)
+    # mix() of lookup3.c for all words but the last three, then final().
     for i in range(0, len(words) - 3, 3):
         a, b, c = (a + words[i]) & mask, (b + words[i + 1]) & mask, (c + words[i + 2]) & mask
         a, c = ((a - c) & mask) ^ rotated(c, 4), (c + b) & mask
@@ -51,17 +57,20 @@ def lookup3(data: bytes, initial: int = 0) -> int:
 
 
 def marked_open(path: Path) -> bool:
-    """Whether the file says that a writer has it open; False also for files without such a mark. Raises OSError."""
+    """Return whether the file is marked as open for writing; False also for files without such
+    flags. Raises OSError.
+    """
     with open_regular(path) as file:
         head = file.read(ADDRESSES_AT)
     return _has_flags(head) and bool(head[FLAGS_AT] & (OPEN_FOR_WRITE | OPEN_FOR_SWMR))
 
 
 def clear_consistency_flags(path: Path) -> bool:
-    """Clear the open-for-writing marks of the HDF5 file at `path`; True when there were any.
+    """Clear the open-for-writing flags of the HDF5 file at `path`; return whether any were set.
 
-    Only call it when no process has the file open for writing. Raises ValueError where the file does not begin with
-    an intact version 2 or 3 superblock, OSError where it cannot be read or written.
+    Call it only when no process has the file open for writing. Raises ValueError where the file
+    does not begin with an intact version 2 or 3 superblock, OSError where it cannot be read or
+    written.
     """
     with path.open("r+b") as file:
         old = file.read(LONGEST_SUPERBLOCK)
@@ -76,9 +85,10 @@ def clear_consistency_flags(path: Path) -> bool:
 
 
 class Unmarked(io.FileIO):
-    """An HDF5 file, read only, as it would be without the marks of a dead writer; the file itself keeps them.
+    """A read-only view of an HDF5 file in which the flags of a dead writer are cleared; the file
+    itself keeps them.
 
-    Raises as clear_consistency_flags does.
+    Raises the errors of clear_consistency_flags.
     """
 
     def __init__(self, path: Path) -> None:
@@ -90,7 +100,7 @@ class Unmarked(io.FileIO):
             raise
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        """Bytes from the current position on, those of the superblock without the marks."""
+        """Read bytes from the current position, those of the superblock with the flags cleared."""
         start = self.tell()
         count = super().readinto(buffer) or 0
         if start < len(self._head):
@@ -100,7 +110,9 @@ class Unmarked(io.FileIO):
 
 
 def _cleared(head: bytes, path: Path) -> bytes:
-    """The first bytes of a file with the marks cleared and the superblock's checksum made anew."""
+    """Return the first bytes of a file with the flags cleared and the superblock's checksum
+    recomputed.
+    """
     if not _has_flags(head[:ADDRESSES_AT]):
         raise ValueError(f"{path} does not begin with an HDF5 superblock of version 2 or 3")
     end = ADDRESSES_AT + 4 * head[OFFSET_SIZE_AT]

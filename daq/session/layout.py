@@ -1,4 +1,6 @@
-"""The session file's layout: every group and dataset, created before the first sample (docs/session-format.md)."""
+"""The session file's layout: creates every group and dataset before the first sample
+(docs/session-format.md).
+"""
 
 import dataclasses
 import json
@@ -19,7 +21,10 @@ ROOT_NAMES = frozenset({"NX_class", "default", "schema", "synthetic"})
 
 
 def build_session(file: Any, plan: SessionPlan) -> None:
-    """Create everything of `plan` in an empty file. Raises SessionError for a plan that cannot be stored."""
+    """Create everything in `plan` in an empty file.
+
+    Raises SessionError for a plan that cannot be stored.
+    """
     _check(plan)
     root = file.id
     file.attrs["synthetic"] = plan.synthetic
@@ -49,6 +54,7 @@ def build_session(file: Any, plan: SessionPlan) -> None:
 
 
 def _check(plan: SessionPlan) -> None:
+    """Raise SessionError for a plan that the format cannot hold."""
     clash = sorted(OWN_NAMES & set(plan.documents))
     if clash:
         raise SessionError(f"a session document cannot be called {clash[0]!r}: the format uses that name")
@@ -66,7 +72,7 @@ def _check(plan: SessionPlan) -> None:
 
 
 def _resolved(run: RunPlan, plan: SessionPlan) -> RunPlan:
-    """The run with the session's rate and ledger length where it has none of its own."""
+    """Return the run with the session's rate and ledger length where it has none of its own."""
     cycles = plan.ledger_cycles if run.ledger_cycles is None else run.ledger_cycles
     return dataclasses.replace(run, rate=float(run.rate or plan.rate), ledger_cycles=cycles)
 
@@ -88,7 +94,7 @@ def _run(root: Any, run: RunPlan, plan: SessionPlan) -> None:
 
 
 def run_attributes(run: RunPlan) -> dict[str, AttributeValue]:
-    """Attributes of a run's group."""
+    """Return the attributes of a run's group."""
     return {
         "NX_class": "NXentry", "default": "data", "title": run.title or f"{run.condition}, repeat {run.repeat}",
         "condition": run.condition, "repeat": run.repeat, "order": run.order, "rate": float(run.rate or 0.0),
@@ -97,14 +103,14 @@ def run_attributes(run: RunPlan) -> dict[str, AttributeValue]:
 
 
 def data_attributes(channels: Sequence[ChannelInfo]) -> dict[str, AttributeValue]:
-    """Attributes of a run's `data` group: the first channel is the signal that viewers plot."""
+    """Return the attributes of a run's `data` group: viewers plot the first channel."""
     names = [channel.name for channel in channels]
     found: dict[str, AttributeValue] = {"NX_class": "NXdata", "signal": names[0], "axes": "."}
     return found | {"auxiliary_signals": names[1:]} if names[1:] else found
 
 
 def signal_attributes(channel: ChannelInfo) -> dict[str, AttributeValue]:
-    """Attributes of a channel's codes."""
+    """Return the attributes of a channel's codes."""
     return {
         "units": channel.unit, "scale": channel.scale, "offset": channel.offset, "sensitivity": channel.sensitivity,
         "long_name": f"{channel.quantity}: (code * scale + offset) / sensitivity",
@@ -112,7 +118,9 @@ def signal_attributes(channel: ChannelInfo) -> dict[str, AttributeValue]:
 
 
 def channel_attributes(channel: ChannelInfo, position: int) -> dict[str, AttributeValue]:
-    """Attributes of a channel's group in the channel table; a missing time constant is infinite, its corner 0 Hz."""
+    """Return the attributes of a channel's group in the channel table; a missing time constant is
+    infinite, its corner 0 Hz.
+    """
     values = dataclasses.asdict(channel)
     values["time_constant"] = float("inf") if channel.time_constant is None else channel.time_constant
     return {"NX_class": "NXsensor", "position": position, **values, "pole_Hz": channel.pole_Hz}

@@ -1,4 +1,6 @@
-"""What a session holds, as plain values: the plan a recorder is created from and what a record gives back."""
+"""A session's content as plain values: the plan from which a recorder is created, and the values
+that a record returns.
+"""
 
 import re
 from collections.abc import Mapping
@@ -14,11 +16,11 @@ __all__ = [
     "CHUNK",
     "RUN_NAME",
     "SCHEMA",
+    "ChannelSignal",
     "RunInfo",
     "RunPlan",
     "SessionError",
     "SessionPlan",
-    "Signal",
     "WriteError",
     "block_dtype",
     "run_info",
@@ -28,26 +30,27 @@ __all__ = [
 SCHEMA = "rig/session/1"
 
 RUN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
-"""What a run may be called: files are named after it."""
+"""Allowed names of runs: files are named after them."""
 
 CHUNK = 16384  # samples; hardware.md, record format
 
 
 class SessionError(Exception):
-    """A session file cannot be written or read as asked; the message is one clear sentence."""
+    """A session file cannot be written or read as requested; the message is one sentence."""
 
 
 class WriteError(SessionError):
-    """The disk or the folder failed while a session was written; what had been flushed is kept."""
+    """The disk or the folder failed during writing; everything flushed before is kept."""
 
 
 @dataclass(frozen=True)
 class RunPlan:
-    """One run (condition x repeat) that a session has room for.
+    """One run (condition x repeat) for which a session has room.
 
-    name: group name, "run_0001" style. order: place in the randomised order of execution, from 1. samples: per channel,
-    settle included. settle_samples: samples before the part that counts. blocks: most blocks that will be appended.
-    t0: ISO 8601 time of drive time 0. rate (Hz), ledger_cycles: only where they differ from the session's.
+    name: group name, e.g. "run_0001". order: place in the randomised order of execution, from 1.
+    samples: per channel, including settling. settle_samples: samples before the measured part.
+    blocks: largest number of blocks. t0: ISO 8601 time of drive time 0. rate (Hz), ledger_cycles:
+    only where they differ from the session's.
     """
 
     name: str
@@ -65,12 +68,13 @@ class RunPlan:
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """All that a session file holds except the samples: fixed when the file is created.
+    """Everything in a session file except the samples, fixed when the file is created.
 
-    protocol_text: the protocol file, verbatim; protocol: the same, parsed. conditions: one mapping each, with "id".
-    documents, truth_documents: JSON-able values by name ("prediction", "rig", "provenance"...), the second kind for
-    simulated sessions only. ledger_columns: J per cycle each, ledger_cycles rows per run. scalars: names of the floats
-    that every run ends with. attrs: further root attributes.
+    protocol_text: the protocol file, verbatim; protocol: the same, parsed. conditions: one mapping
+    each, with "id". documents, truth_documents: JSON values by name ("prediction", "rig",
+    "provenance"...), the latter for simulated sessions only. ledger_columns: names, J per cycle
+    each, with ledger_cycles rows per run. scalars: names of the floats stored at the end of every
+    run. attrs: further root attributes.
     """
 
     rate: float
@@ -91,7 +95,9 @@ class SessionPlan:
 
 @dataclass(frozen=True)
 class RunInfo:
-    """A run as a record shows it. samples: valid ones so far, of `planned`; flags: sticky `Flag` bits over the run."""
+    """A run as a record shows it. samples: number valid so far, of `planned`; flags: sticky `Flag`
+    bits over the run.
+    """
 
     name: str
     condition: str
@@ -108,8 +114,10 @@ class RunInfo:
 
 
 @dataclass(frozen=True, eq=False)
-class Signal:
-    """Samples of one channel in engineering units (certified sensitivity). flags: `Flag` bits of the blocks read."""
+class ChannelSignal:
+    """Samples of one channel in engineering units (certified sensitivity). flags: `Flag` bits of
+    the blocks read.
+    """
 
     samples: npt.NDArray[np.float64]
     rate: float
@@ -121,7 +129,7 @@ status_dtype = np.dtype([("samples", "<u8"), ("blocks", "<u4"), ("complete", "u1
 
 
 def block_dtype(channels: int) -> np.dtype[np.void]:
-    """Row of a run's `blocks` table."""
+    """Return the row type of a run's `blocks` table."""
     per_channel = (channels,)
     return np.dtype(
         [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", per_channel), ("clipped", "<u4", per_channel)]
@@ -129,7 +137,7 @@ def block_dtype(channels: int) -> np.dtype[np.void]:
 
 
 def run_info(plan: RunPlan, status: Any) -> RunInfo:
-    """A run from its plan (with its own rate) and its row of the status table."""
+    """Return the state of a run from its plan (with its own rate) and its status row."""
     return RunInfo(
         name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
         samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),

@@ -1,4 +1,4 @@
-"""Reading a session: the waist between acquisition and analysis."""
+"""Read a session: the interface between acquisition and analysis."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -25,23 +25,24 @@ from daq.session.content import (
     refuse,
     status_deviations,
 )
-from daq.session.hdf5 import Table, dataset, has, is_text, members, open_for_reading, read_attributes, read_text
-from daq.session.plan import SCHEMA, RunInfo, RunPlan, SessionError, Signal, block_dtype, run_info, status_dtype
+from daq.session.hdf5 import TableReader, dataset, has, is_text, members, open_for_reading, read_attributes, read_text
+from daq.session.plan import SCHEMA, ChannelSignal, RunInfo, RunPlan, SessionError, block_dtype, run_info, status_dtype
 from daq.session.time_limit import limited
 
-__all__ = ["Record", "Truth", "open_session"]
+__all__ = ["Record", "SessionTruth", "open_session"]
 
 Codes = npt.NDArray[np.int32]
-KEPT_TABLES = 32  # opened datasets, those of a run or two
+KEPT_TABLES = 32  # datasets kept open, enough for a run or two
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError, MemoryError)
-"""What h5py and the decoders raise on a damaged file."""
+"""Exceptions that h5py and the decoders raise on a damaged file."""
 
 
 def open_session(path: Path | str, patience: float | None = None) -> "Record":
     """Open a session file for reading, also while it is written or after its writer was killed.
 
-    patience: seconds that the HDF5 library may take over one call before SIGALRM ends the process, None for any time.
-    It is for a process that its parent watches: some damaged files make the library hang or crash.
+    patience: seconds that the HDF5 library may take for one call before SIGALRM ends the process,
+    None for no limit. Meant for a process watched by its parent, because some damaged files make
+    the library hang or crash.
 
     Raises SessionError where there is no such file, or it is not an intact session of this schema.
     """
@@ -68,22 +69,26 @@ def _opened(place: Path, patience: float | None) -> Any:
 
 
 class Record:
-    """A session as the analysis sees it; `open_session` or `Recorder.record` gives one. Any thread may read.
+    """A session as the analysis sees it, from `open_session` or `Recorder.record`.
+
+    Any thread may read.
 
     `status_rows` is the status table as last read; a recorder keeps its own record's up to date.
 
-    Raises SessionError for anything that the file does not hold as it should. Only hard links are followed, so that a
-    foreign file cannot point the reader at other files.
+    Raises SessionError for any content that deviates from the format. Only hard links are followed,
+    so that a foreign file cannot point the reader at other files.
     """
 
     def __init__(self, file: Any, path: Path, patience: float | None = None, made: bool = False) -> None:
         self._file = file
         self._path = path
         self._patience = patience
-        self._known: set[str] | None = None if made else set()  # groups seen; of one's own file nothing is doubted
-        self._owned = file.mode == "r"  # a recorder keeps its own file
+        # Groups found by hard links so far; None for a file that this process made, which needs no
+        # checks.
+        self._known: set[str] | None = None if made else set()
+        self._owned = file.mode == "r"  # else the recorder owns and closes the file
         self._live = self._owned and file.swmr_mode  # another process may be writing
-        self._tables: dict[str, Table] = {}  # opened and checked
+        self._tables: dict[str, TableReader] = {}  # open and already checked
         self._known_blocks: tuple[str, npt.NDArray[np.void]] | None = None
         self._known_scalars: tuple[str, dict[str, float]] | None = None
         self._documents: dict[str, Any] = {}
@@ -112,38 +117,42 @@ class Record:
         self.close()
 
     def close(self) -> None:
-        """Close the file; a recorder's own record stays open with its recorder."""
+        """Close the file; a recorder's own record stays open until the recorder is closed."""
         self._tables.clear()
         if self._owned:
-            with suppress(OSError, RuntimeError), limited(self._patience):  # nothing was written: nothing is lost
+            # nothing was written: nothing is lost
+            with suppress(OSError, RuntimeError), limited(self._patience):
                 self._file.close()
 
     def reopen(self) -> None:
         """Open the file again after `close`, in this process or in one forked from it.
 
-        A file that is open while a process forks has one place and one lock for both.
+        Needed because processes that share a file opened before a fork also share its position and
+        its lock.
         """
         self._file = _opened(self._path, self._patience)
 
     @property
     def live(self) -> bool:
-        """Whether another process was writing the file when it was opened, or this one is."""
+        """Whether another process was writing the file when it was opened, or this process is
+        writing it.
+        """
         return self._live or not self._owned
 
     @property
     def runs(self) -> tuple[RunInfo, ...]:
-        """All runs in the order of the plan, with what is valid now."""
+        """All runs in the order of the plan, with their present state."""
         rows = self._status_rows() if self._live else self.status_rows
         return tuple(run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
 
     def run(self, name: str) -> RunInfo:
-        """One run, with what is valid now."""
+        """Return one run, with its present state."""
         status = self._status(name)  # refuses unknown names
         return run_info(self._plans[name], status)
 
     @property
     def plans(self) -> tuple[RunPlan, ...]:
-        """What was planned of every run, in the order of the plan."""
+        """The plans of all runs, in their order."""
         return tuple(self._plans.values())
 
     @property
@@ -178,7 +187,9 @@ class Record:
 
     @cached_property
     def ledger_columns(self) -> tuple[str, ...]:
-        """Column names of the ledgers, the same for every run; empty for a record without truth or runs."""
+        """Column names of the ledgers, the same for every run; empty for a record without truth or
+        runs.
+        """
         for run in self._plans:
             if has(self._file, f"{run}/truth/ledger"):
                 columns = self.attributes(f"{run}/truth/ledger").get("columns")
@@ -188,14 +199,14 @@ class Record:
         return ()
 
     @cached_property
-    def truth(self) -> "Truth | None":
-        """What only a simulation can know; None for records without it."""
+    def truth(self) -> "SessionTruth | None":
+        """Data that only a simulation can know; None for records without it."""
         with self.readable():
-            return Truth(self) if has(self._file, "session/truth") else None
+            return SessionTruth(self) if has(self._file, "session/truth") else None
 
     @property
     def scalar_names(self) -> tuple[str, ...]:
-        """Names of the floats that every run ends with."""
+        """Names of the floats stored at the end of every run."""
         return self._scalar_names
 
     @property
@@ -204,36 +215,44 @@ class Record:
         return tuple(name for name in self.texts("session") if name != "protocol_text")
 
     def document(self, name: str) -> Any:
-        """The JSON value of a session document ("prediction", "rig", "protocol"...), None where there is none; the
-        same object every time."""
+        """Return the JSON value of a session document ("prediction", "rig", "protocol"...), None
+        where there is none.
+
+        Returns the same object every time.
+        """
         if name not in self._documents:
             self._documents[name] = self.json_or_none(f"session/{name}")
         return self._documents[name]
 
-    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
-        """Samples start..stop (default: all valid ones) of a channel in engineering units, certified sensitivity."""
+    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> ChannelSignal:
+        """Return samples start..stop (default: all valid ones) of a channel in engineering units,
+        by its certified sensitivity.
+        """
         first, last = self._within(run, self._status(run), start, stop)
         return self.signal_of(run, name, first, self._codes(run, self._channel(name).name, first, last))
 
-    def signal_of(self, run: str, name: str, start: int, codes: Codes) -> Signal:
-        """As `signal`, of codes of the channel that were read before, the first of them sample `start`."""
+    def signal_of(self, run: str, name: str, start: int, codes: Codes) -> ChannelSignal:
+        """Return the signal, as `signal` does, of codes of a channel that were read before; the
+        first is sample `start`.
+        """
         channel, status, first, last = self._channel(name), self._status(run), start, start + codes.size
         samples = codes.astype(np.float64)
+        # In place: a record may be hundreds of MB.
         samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
         blocks = self._blocks(run, status)
         touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first) & (first < last)
         flags = np.bitwise_or.reduce(blocks["flags"][touched, self._columns[name]], initial=0)
-        return Signal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
+        return ChannelSignal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
 
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
-        """Converter codes start..stop (default: all valid ones) of a channel, int32."""
+        """Return converter codes start..stop (default: all valid ones) of a channel, int32."""
         first, last = self._within(run, self._status(run), start, stop)
         return self._codes(run, self._channel(name).name, first, last)
 
     def all_codes(self, run: str, start: int, stop: int) -> Codes:
-        """Converter codes start..stop of every channel, (channels, samples) in row order."""
+        """Return converter codes start..stop of every channel, (channels, samples) in row order."""
         first, last = self._within(run, self._status(run), start, stop)
         codes = np.empty((len(self.channels), last - first), np.int32)
         for row, name in zip(codes, self.channels, strict=True):
@@ -242,11 +261,13 @@ class Record:
         return codes
 
     def blocks(self, run: str) -> npt.NDArray[np.void]:
-        """The blocks recorded so far: start, count, flags and clipped (one column per channel)."""
+        """Return the blocks recorded so far: start, count, flags and clipped (one column per
+        channel).
+        """
         return self._blocks(run, self._status(run))
 
     def scalars(self, run: str) -> dict[str, float]:
-        """The floats that the run ended with, by name; empty where it is not complete."""
+        """Return the floats stored at the end of a run, by name; empty for an incomplete run."""
         if not self._scalar_names or not self._status(run)["complete"]:
             return {}
         if self._known_scalars is None or self._known_scalars[0] != run:
@@ -257,23 +278,25 @@ class Record:
         return dict(self._known_scalars[1])
 
     def attributes(self, path: str) -> dict[str, Any]:
-        """Attributes of a group or dataset of the session."""
+        """Return the attributes of a group or dataset of the session."""
         with self.readable():
             return read_attributes(self._file, path)
 
     def texts(self, path: str) -> tuple[str, ...]:
-        """Names of the datasets in a group, sorted, that hold text; "" for none."""
+        """Return the sorted names of the text datasets in a group."""
         with self.readable():
             return tuple(name for name in members(self._file, path) if is_text(self._file, f"{path}/{name}"))
 
     def json_or_none(self, path: str) -> Any:
-        """The JSON value of the text dataset at `path`, None where there is none."""
+        """Return the JSON value of the text dataset at `path`, None where there is none."""
         with self.readable():
             return read_json(self._file, path) if has(self._file, path) else None
 
     @contextmanager
     def readable(self) -> Iterator[None]:
-        """Turn what h5py and the decoders raise on a foreign or damaged file into a SessionError."""
+        """Raise a SessionError instead of the errors of h5py and the decoders on a foreign or
+        damaged file.
+        """
         try:
             with limited(self._patience):
                 yield
@@ -289,41 +312,44 @@ class Record:
         ) as error:
             if isinstance(error, MemoryError):
                 raise SessionError(f"{self._path}: out of memory while it was read") from error
+            # str() of a KeyError puts its message in quotes.
             why = error.args[0] if isinstance(error, KeyError) and error.args else error
             raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
 
     def ledger_cycles(self, run: str) -> int:
-        """Cycles that a run's ledger has room for."""
+        """Return the number of cycles for which a run's ledger has room."""
         return self._plans[run].ledger_cycles or 0
 
     def ledger_rows(self, run: str, start: int = 0, stop: int | None = None) -> npt.NDArray[np.float64]:
-        """Rows start..stop of the ledger of a run, as far as it goes, (cycles, columns)."""
+        """Return rows start..stop of a run's ledger, clipped to its length, (cycles, columns)."""
         self._status(run)  # refuses unknown names
         cycles = self.ledger_cycles(run)
         last = cycles if stop is None else min(stop, cycles)
         path, shape = f"{run}/truth/ledger", (cycles, len(self.ledger_columns))
         rows = self._rows(path, "<f8", shape, min(start, last), last)
-        if (np.abs(rows) > LARGEST).any():  # NaN says that a number is not known
+        if (np.abs(rows) > LARGEST).any():  # NaN is allowed, for unknown numbers
             raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds absurd numbers")
         return rows
 
     def _rows(
         self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], start: int = 0, stop: int | None = None
     ) -> npt.NDArray[Any]:
-        """Rows start..stop of the table of that type and shape, as they are now."""
+        """Return the present rows start..stop of the table with that type and shape."""
         with self.readable():
             return self._table(path, dtype, shape).rows(start, shape[0] if stop is None else stop)
 
-    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> Table:
-        """A table opened and checked, or kept from before; while a writer lives, opened anew, without old chunks."""
+    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> TableReader:
+        """Return a table, opened and checked, or cached; while a writer lives, opened anew, because
+        cached chunks are out of date.
+        """
         if self._live:
-            source = Table(self._file, path, dtype, shape, set() if self._known is None else self._known)
+            source = TableReader(self._file, path, dtype, shape, set() if self._known is None else self._known)
             source.refresh()
             return source
         if path not in self._tables:
             if len(self._tables) >= KEPT_TABLES:
                 self._tables.clear()
-            self._tables[path] = Table(self._file, path, dtype, shape, self._known)
+            self._tables[path] = TableReader(self._file, path, dtype, shape, self._known)
         return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:
@@ -342,7 +368,7 @@ class Record:
         return self._status_rows()[index] if self._live else self.status_rows[index]
 
     def _blocks(self, run: str, status: Any) -> npt.NDArray[np.void]:
-        """Block rows so far; those of the complete run asked for last are kept."""
+        """Return the block rows so far; those of the last complete run are cached."""
         if self._known_blocks is not None and self._known_blocks[0] == run:
             return self._known_blocks[1]
         shape = (self._plans[run].blocks,)
@@ -362,7 +388,7 @@ class Record:
 
     @cached_property
     def _columns(self) -> dict[str, int]:
-        """Columns of the block tables by channel."""
+        """Columns of the block tables, by channel."""
         return {name: column for column, name in enumerate(self.channels)}
 
     def _channel(self, name: str) -> ChannelInfo:
@@ -371,8 +397,8 @@ class Record:
         return self.channels[name]
 
 
-class Truth:
-    """The simulation's own account; nothing that a laboratory record has."""
+class SessionTruth:
+    """The simulation's own account of a session, which no laboratory record has."""
 
     def __init__(self, record: Record) -> None:
         self._record = record
@@ -385,17 +411,19 @@ class Truth:
     def ledger(
         self, run: str, start: int = 0, stop: int | None = None
     ) -> tuple[tuple[str, ...], npt.NDArray[np.float64]]:
-        """Column names and rows start..stop of the ledger, as far as it goes, (cycles, columns), J per cycle counted
-        from drive time 0."""
+        """Return (column names, rows start..stop of the ledger, clipped to its length).
+
+        Rows: (cycles, columns), J per cycle, counted from drive time 0.
+        """
         return self._record.ledger_columns, self._record.ledger_rows(run, start, stop)
 
     def document(self, name: str) -> Any:
-        """The JSON value of a truth document, None where there is none."""
+        """Return the JSON value of a truth document, None where there is none."""
         return self._record.json_or_none(f"session/truth/{name}")
 
 
 def _foreign(schema: str) -> str:
-    """Why a file of another schema is not read."""
+    """Return the reason why a file of another schema is not read."""
     family, _, version = SCHEMA.rpartition("/")
     other, _, found = schema.rpartition("/")
     if other == family and found.isdecimal() and int(found) > int(version):

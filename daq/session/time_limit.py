@@ -1,4 +1,4 @@
-"""A limit on the time that a call into a C library may take: nothing in Python can interrupt one."""
+"""A time limit for a call into a C library, which nothing in Python can interrupt."""
 
 import signal
 from collections.abc import Iterator
@@ -9,9 +9,10 @@ __all__ = ["limited"]
 
 @contextmanager
 def limited(seconds: float | None) -> Iterator[None]:
-    """End the process by SIGALRM where the block takes longer; no limit for None, or without such a signal (Windows).
+    """End the process by SIGALRM where the block takes longer than `seconds`; None, or a system
+    without SIGALRM: no limit.
 
-    For the main thread of a process that its parent watches, one block at a time.
+    For the main thread of a process watched by its parent; limits do not nest.
     """
     if seconds is None or not hasattr(signal, "setitimer"):
         yield

@@ -1,4 +1,6 @@
-"""Every deviation of a session file from its format (docs/session-format.md), where a reader stops at the first."""
+"""List every deviation of a session file from its format (docs/session-format.md); a reader stops
+at the first.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -17,9 +19,10 @@ DOCUMENTS = ("conditions", "protocol", "runs", "scalars")
 
 
 def session_deviations(record: Record) -> Iterator[str]:
-    """One sentence per deviation; none for a session as this version writes it. Some a reader would pass over.
+    """Yield one sentence per deviation from a session as this version writes it.
 
-    Documents must be JSON here; what must be in them is for the analysis to say (analysis.session.documents).
+    Includes deviations that `open_session` tolerates. Documents must be JSON here; their content is
+    checked by analysis.session.documents.
     """
     checks = [_entry(record), _documents(record), _channels(record), _truth(record)]
     for check in (*checks, *(_run(record, plan) for plan in record.plans)):
@@ -67,7 +70,7 @@ def _truth(record: Record) -> Iterator[str]:
 
 
 def _run(record: Record, plan: RunPlan) -> Iterator[str]:
-    """A run's attributes, tables and codes: all of them are read."""
+    """Yield the deviations of a run, reading all its attributes, tables and codes."""
     info = record.run(plan.name)
     yield from _differing(plan.name, record.attributes(plan.name), run_attributes(plan))
     channels = tuple(record.channels.values())
@@ -92,7 +95,7 @@ def _run(record: Record, plan: RunPlan) -> Iterator[str]:
 
 
 def _raised(read: Callable[[], object]) -> Iterator[str]:
-    """What a reading refuses, as a sentence."""
+    """Yield the message of the SessionError that a read raises, if any."""
     try:
         read()
     except SessionError as error:
@@ -100,7 +103,9 @@ def _raised(read: Callable[[], object]) -> Iterator[str]:
 
 
 def _differing(place: str, found: Mapping[str, Any], expected: Mapping[str, Any]) -> Iterator[str]:
-    """Attributes that are missing or not as they should be; others are free."""
+    """Yield a sentence for each expected attribute that is missing or different; further attributes
+    are allowed.
+    """
     for name, value in expected.items():
         if name not in found:
             yield f"{place} has no attribute {name}"

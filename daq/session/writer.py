@@ -1,8 +1,8 @@
-"""Writing a session: one HDF5 file, readable while it is written and after a kill.
+"""Write a session: one HDF5 file, readable while it is written and after a kill.
 
-The file is built complete under `<path>.part` (every group, every dataset, all space), switched to HDF5's single-writer
-mode, flushed and renamed. From then on only samples, block rows, ledger rows and the status table change, each flushed
-before the status that counts it.
+The file is built complete under `<path>.part` (every group, every dataset, all space), switched to
+HDF5's single-writer mode, flushed and renamed. From then on only samples, block rows, ledger rows
+and the status table change, and data are flushed before the status row that counts them.
 """
 
 import os
@@ -16,21 +16,24 @@ import numpy.typing as npt
 
 from daq.chain.block import Block, Flag
 from daq.session.disk_space import reserve
-from daq.session.hdf5 import Rows, open_file
+from daq.session.hdf5 import RowWriter, open_file
 from daq.session.hdf5_flags import clear_consistency_flags
 from daq.session.layout import build_session
-from daq.session.plan import RunInfo, RunPlan, SessionError, SessionPlan, Signal, WriteError, block_dtype, status_dtype
-from daq.session.record import Record, Truth, open_session
+from daq.session.plan import (
+    SessionError,
+    SessionPlan,
+    WriteError,
+    block_dtype,
+    status_dtype,
+)
+from daq.session.record import Record
 from daq.session.writer_lock import AlreadyLocked, WriterLock
 
-__all__ = [
-    "Record", "Recorder", "RunInfo", "RunPlan", "SessionError", "SessionPlan", "Signal", "Truth", "WriteError",
-    "open_session",
-]  # fmt: skip
+__all__ = ["Recorder"]
 
 
 class Recorder:
-    """The one writer of a session file; all calls from one thread. Use `create` or `resume`."""
+    """The only writer of a session file, to be called from one thread. Use `create` or `resume`."""
 
     def __init__(self, file: Any, path: Path, lock: WriterLock, made: bool = False) -> None:
         self._file = file
@@ -42,15 +45,16 @@ class Recorder:
         self._channels = tuple(self._record.channels)
         self._scalar_names: tuple[str, ...] = tuple(self._record.document("scalars"))
         self._rows = self._record.status_rows
-        self._open: dict[str, Rows] = {}
+        self._open: dict[str, RowWriter] = {}
         self._failed = False
 
     @classmethod
     def create(cls, path: Path | str, plan: SessionPlan, overwrite: bool = False) -> "Recorder":
         """Create a session file with room for the whole plan.
 
-        Raises SessionError where the path exists (unless `overwrite`: then the old file stays until the new one is
-        complete), is being written, or the plan cannot be stored; WriteError where the disk or folder refuses.
+        Raises SessionError where the path exists (with `overwrite` the old file stays until the new
+        one is complete), is being written, or the plan cannot be stored; WriteError where the disk
+        or folder refuses.
         """
         final = Path(path)
         if final.exists() and not overwrite:
@@ -58,7 +62,7 @@ class Recorder:
         lock = _locked(final)
         part = final.with_name(final.name + ".part")
         try:
-            part.unlink(missing_ok=True)  # a left-over, or a link that leads to another file
+            part.unlink(missing_ok=True)  # a left-over, or a link to another file
             reserve(part, sum(4 * run.samples * len(plan.channels) for run in plan.runs))
             file = open_file(part, "w")
             try:
@@ -86,7 +90,10 @@ class Recorder:
 
     @classmethod
     def resume(cls, path: Path | str) -> "Recorder":
-        """Go on with an incomplete session, also after its writer was killed. Incomplete runs restart at sample 0."""
+        """Resume an incomplete session, also after its writer was killed.
+
+        Incomplete runs restart at sample 0.
+        """
         final = Path(path)
         if not final.is_file():
             raise SessionError(f"there is no session file {final}")
@@ -119,7 +126,10 @@ class Recorder:
                 raise
 
     def append(self, run: str, block: Block) -> None:
-        """Add the next block of a run. Raises SessionError for a gap, a full run, a finished run or a wrong shape."""
+        """Add the next block of a run.
+
+        Raises SessionError for a gap, a full or finished run, or a wrong shape.
+        """
         row, info = self._row(run), self._infos[run]
         first, used = int(row["samples"]), int(row["blocks"])
         if block.codes.shape[0] != len(self._channels):
@@ -133,6 +143,7 @@ class Recorder:
             self._write(f"{run}/data/{name}", first, np.ascontiguousarray(codes, dtype="<i4"))
         entry = (block.start, block.count, block.flags, block.clipped)
         self._write(f"{run}/blocks", used, np.array([entry], dtype=block_dtype(len(self._channels))))
+        # The status is written last: a kill before leaves the block uncounted, not half valid.
         row["samples"], row["blocks"] = first + block.count, used + 1
         row["flags"] |= np.bitwise_or.reduce(block.flags, initial=0) & ~np.uint16(Flag.NOT_SETTLED)
         self._write_status(run)
@@ -148,7 +159,10 @@ class Recorder:
         self._write(f"{run}/truth/ledger", first_cycle, np.ascontiguousarray(rows, dtype="<f8"))
 
     def finish(self, run: str, scalars: Mapping[str, float], flags: int = 0) -> None:
-        """Mark a run complete, with its scalars and further sticky flags. WriteError where the file has gone."""
+        """Mark a run complete, with its scalars and further sticky flags.
+
+        Raises WriteError where the file has vanished.
+        """
         row, info = self._row(run), self._infos[run]
         if int(row["samples"]) != info.planned:
             raise SessionError(f"{run} has {int(row['samples'])} of {info.planned} samples: it is not complete")
@@ -163,16 +177,21 @@ class Recorder:
         self._open = {path: rows for path, rows in self._open.items() if not path.startswith(f"{run}/")}
 
     def completed(self) -> set[str]:
-        """Names of the runs that are complete."""
+        """Return the names of the complete runs."""
         return {name for name, index in self._index.items() if self._rows["complete"][index]}
 
     def record(self) -> Record:
-        """The session so far, for reading in this process; valid until the recorder is closed."""
+        """Return the session so far, for reading in this process; valid until the recorder is
+        closed.
+        """
         return self._record
 
     def close(self) -> None:
-        """Close the file and let other writers at it; again is harmless. WriteError where that fails."""
-        if self._failed:  # HDF5 would try to write again, and may crash over it
+        """Close the file and release the lock; may be called again.
+
+        Raises WriteError where closing fails.
+        """
+        if self._failed:  # closing would make HDF5 write again, which may crash
             self._lock.release()
             return
         self._open.clear()
@@ -184,6 +203,7 @@ class Recorder:
             self._lock.release()
 
     def _row(self, run: str) -> Any:
+        """Return the status row of a run that is not complete. Raises SessionError."""
         if run not in self._index:
             raise SessionError(f"the session has no run {run!r}")
         row = self._rows[self._index[run]]
@@ -201,9 +221,9 @@ class Recorder:
         index = self._index[run]
         self._write("session/status", index, self._rows[index : index + 1])
 
-    def _dataset(self, path: str) -> Rows:
+    def _dataset(self, path: str) -> RowWriter:
         if path not in self._open:
-            self._open[path] = Rows(self._file, path)
+            self._open[path] = RowWriter(self._file, path)
         return self._open[path]
 
     def _write(self, path: str, first: int, rows: npt.NDArray[Any]) -> None:
@@ -217,7 +237,9 @@ class Recorder:
             raise WriteError(f"cannot write to {self._path}: {why}; {kept}") from error
 
     def _check_there(self, run: str) -> None:
-        """A removed or replaced file can be written for ever, and nobody would find it."""
+        """Raise WriteError where the file was removed or replaced: writing would succeed, and
+        nobody would find the data.
+        """
         try:
             there = os.path.samestat(os.stat(self._path), os.fstat(self._file.id.get_vfd_handle()))
         except OSError:

@@ -1,4 +1,6 @@
-"""One writer per session file, also across processes; the lock dies with its holder, however it dies."""
+"""One writer per session file, also across processes; the lock dies with its holder, even if that
+is killed.
+"""
 
 import os
 import stat
@@ -13,7 +15,10 @@ if sys.platform != "win32":
 
 __all__ = ["AlreadyLocked", "WriterLock", "is_locked"]
 
-TRIES, PAUSE = 3, 0.02  # s; a reader that looks whether a writer lives holds the lock for a moment (is_locked)
+TRIES, PAUSE = 3, 0.02
+"""Attempts, and seconds in between: a reader that tests for a live writer (`is_locked`) holds the
+lock briefly.
+"""
 
 
 class AlreadyLocked(Exception):
@@ -21,7 +26,9 @@ class AlreadyLocked(Exception):
 
 
 def is_locked(path: Path) -> bool:
-    """Whether a live process writes the session at `path`; without file locks (Windows) taken for granted."""
+    """Return whether a live process writes the session at `path`; without file locks (Windows)
+    always True.
+    """
     if sys.platform == "win32":
         return True
     try:
@@ -37,9 +44,9 @@ def is_locked(path: Path) -> bool:
 class WriterLock:
     """Advisory lock on `<path>.lock`, held from construction to release.
 
-    The session file itself cannot carry the lock: HDF5 locks and unlocks it with the same call when readers open it.
-    Raises AlreadyLocked when another recorder, in this or another process, holds it. Without file locks (Windows)
-    it does nothing.
+    The session file itself cannot carry the lock, because HDF5 locks and unlocks it with the same
+    call when readers open it. Raises AlreadyLocked when another recorder, in this or another
+    process, holds it. Without file locks (Windows) it does nothing.
     """
 
     def __init__(self, path: Path) -> None:
@@ -63,7 +70,8 @@ class WriterLock:
                     raise AlreadyLocked(f"{path} is being written by another process") from None
                 time.sleep(PAUSE)
                 continue
-            # A holder removes its lock file on release: a lock on a removed file locks nothing, so try again.
+            # The previous holder removes its lock file on release. A lock on a removed file
+            # protects nothing: try again.
             if self._is_current():
                 return
             os.close(self._descriptor)
@@ -75,7 +83,7 @@ class WriterLock:
             return False
 
     def release(self) -> None:
-        """Give the lock up and remove its file; again is harmless."""
+        """Release the lock and remove its file; may be called again."""
         if self._descriptor < 0:
             return
         self._path.unlink(missing_ok=True)

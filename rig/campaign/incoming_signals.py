@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.chain.block import Block
-from daq.session.plan import Signal
+from daq.session.plan import ChannelSignal
 from daq.session.record import Record
 
 
@@ -25,7 +25,7 @@ class IncomingSignals:
         self._end = 0
         self._rows = {name: row for row, name in enumerate(record.channels)}
 
-    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Signal:
+    def signal(self, run: str, name: str, start: int = 0, stop: int | None = None) -> ChannelSignal:
         """Return samples start..stop of a channel in engineering units."""
         last = self._record.run(run).samples if stop is None else stop
         self._pull(start, last)

@@ -13,7 +13,7 @@ from daq.chain.clock import Pacer
 from daq.chain.replay import Replayed
 from daq.session.copy import plan_of
 from daq.session.plan import RunInfo
-from daq.session.record import Record, Truth, open_session
+from daq.session.record import Record, SessionTruth, open_session
 from daq.session.writer import Recorder
 from rig.campaign.incoming_signals import IncomingSignals
 from rig.campaign.one_run.live import LiveUpdate, Watcher
@@ -96,7 +96,7 @@ def recorded(record: Record, speed: float | None) -> Iterator[Part]:
         yield from recorded_run(record, info, speed, truth)
 
 
-def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: Truth | None) -> Iterator[Part]:
+def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: SessionTruth | None) -> Iterator[Part]:
     """Yield the parts of one run, each with its part of the ledger; without ledger if no truth is
     given.
     """

@@ -1,1 +1,3 @@
-"""Materials, exciters, transducers, analyzers and rigs: data files in which every number states its origin."""
+"""Materials, exciters, transducers, analyzers and rigs: data files in which every number states its
+origin.
+"""

@@ -1,4 +1,4 @@
-"""What the catalog returns: frozen SI numbers, and every number's origin beside it."""
+"""The values of the catalog: frozen SI numbers, each with its origin."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ Stiffness = Annotated[float, Quantity("stiffness", 0.0, 1e12, above=True)]
 
 
 RANGES = {"force": 10.0, "acceleration": 1.0, "current": 10.0, "voltage": 10.0}
-"""Analyzer range of every channel that can be recorded, V."""
+"""Default analyzer range of every channel that can be recorded, V."""
 
 
 @dataclass(frozen=True)
 class CatalogValue:
-    """One number with its origin: `value` in the SI `unit`, `status` one of STATUSES, `source` in words."""
+    """A number with its origin: `value` in the SI `unit`, `status` one of STATUSES, `source` in
+    words.
+    """
 
     path: str
     value: float | tuple[float, ...] | None
@@ -45,10 +47,13 @@ class Material:
 
 @dataclass(frozen=True)
 class Exciter:
-    """An electrodynamic exciter with its amplifier's limits and its stinger (hardware.md): peak force N, force constant
-    N/A, coil ohm and H, peak current A and voltage V, stroke +-m, masses kg, stiffnesses N/m, stinger damping N s/m,
-    stinger buckling load N. What the laboratory knows of it: relative expanded uncertainties (k = 2) of the force
-    constant, `force_constant_U`, and of each mass, stiffness and damping, `parts_U`."""
+    """An electrodynamic exciter with its amplifier's limits and its stinger (hardware.md).
+
+    Peak force N, force constant N/A, coil ohm and H, peak current A and voltage V, stroke +-m,
+    masses kg, stiffnesses N/m, stinger damping N s/m, stinger buckling load N. The laboratory's
+    knowledge of them: relative expanded uncertainties (k = 2) of the force constant,
+    `force_constant_U`, and of each mass, stiffness and damping, `parts_U`.
+    """
 
     name: str
     force_peak: Annotated[float, Quantity("force", 0.0, 1e7, above=True)]
@@ -73,14 +78,17 @@ class Exciter:
 
 @dataclass(frozen=True)
 class Rig:
-    """Everything about the stand that a protocol does not say. Every number is a field of the rig file.
+    """Everything about the stand that a protocol does not state.
 
-    wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume fractions of the
-    shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity m/s^2; parasitic losses `loss_noise`
-    (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the mount: friction of guides, natural frequency in Hz and
-    loss factor of cords; relative level error and third harmonic of the waveform;
-    relative scatter per refill of the packing and of the free play; analyzer range of each channel in V (keys
-    of `RANGES`); `provenance` of the losses as `rig calibrate` wrote it; `values` lists every number's origin.
+    Every number is a field of the rig file.
+
+    wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume
+    fractions of the shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity
+    m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the
+    mount: friction of guides, natural frequency in Hz and loss factor of cords; relative level
+    error and third harmonic of the waveform; relative scatter per refill of the packing and of the
+    free play; analyzer range of each channel in V (keys of `RANGES`); `provenance` of the losses as
+    `rig calibrate` wrote it; `values` lists every number's origin.
     """
 
     name: str

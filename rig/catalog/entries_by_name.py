@@ -1,4 +1,6 @@
-"""The catalog's own files: materials, exciters, transducers, analyzers, each entry a set of stated numbers."""
+"""The catalog's own files: materials, exciters, transducers, analyzers, each entry a set of numbers
+with their origins.
+"""
 
 from __future__ import annotations
 
@@ -30,34 +32,43 @@ _SENSOR_UNITS = {"force": "N", "acceleration": "m/s^2", "voltage": "V", "current
 
 
 class Entry(NamedTuple):
-    """One thing in the catalog: its words (label, quantity) and its stated numbers."""
+    """An entry of the catalog: its words (label, quantity) and its numbers with their origins."""
 
     words: dict[str, str]
     values: tuple[CatalogValue, ...]
 
     def numbers(self) -> dict[str, Any]:
+        """Return the SI numbers by field."""
         return {value.path: value.value for value in self.values}
 
     def statuses(self) -> dict[str, str]:
+        """Return the status of each number by field."""
         return {value.path: value.status for value in self.values}
 
 
 def material(name: str) -> Material:
-    """A grain material by its catalog name. Raises InputError naming the nearest, as the others do."""
+    """Return a grain material by its catalog name.
+
+    Raises InputError naming the nearest, as the others do.
+    """
     entry = entry_of("material", name)
     return Material(name=name, label=entry.words["label"], **entry.numbers())
 
 
 def exciter(name: str) -> Exciter:
-    """An exciter by its catalog name."""
+    """Return an exciter by its catalog name."""
     return Exciter(name=name, **entry_of("exciter", name).numbers())
 
 
 def transducer(
     name: str, quantity: Literal["force", "acceleration", "voltage", "current"] | None = None
 ) -> TransducerSpec:
-    """A transducer by its catalog name, which must measure `quantity` where that is given; "ideal", one without any
-    error, needs it."""
+    """Return a transducer by its catalog name.
+
+    Raises InputError where it does not measure `quantity`, if given.
+
+    "ideal", a transducer without any error, needs the quantity.
+    """
     from daq.chain.channel import TransducerSpec, ideal_transducer
 
     if name == IDEAL and quantity is not None:
@@ -72,12 +83,12 @@ def transducer(
 
 
 def sensors_for(quantity: str) -> list[str]:
-    """The names of the transducers that measure a quantity."""
+    """Return the names of the transducers that measure a quantity."""
     return [name for name, entry in shelf("transducer").items() if entry.words["quantity"] == quantity]
 
 
 def analyzer(name: str) -> AnalyzerSpec:
-    """An analyzer by its catalog name; "ideal" is one without noise, gain or clock error."""
+    """Return an analyzer by its catalog name; "ideal" has no noise, gain or clock error."""
     from daq.chain.channel import AnalyzerSpec, ideal_analyzer
 
     if name == IDEAL:
@@ -89,12 +100,12 @@ def analyzer(name: str) -> AnalyzerSpec:
 
 
 def names(kind: str) -> tuple[str, ...]:
-    """The catalog's names of one kind."""
+    """Return the catalog's names of one kind."""
     return tuple(shelf(kind))
 
 
 def entry_of(kind: str, name: str) -> Entry:
-    """An entry by name; InputError where there is none."""
+    """Return an entry by name. Raises InputError where there is none."""
     entries = shelf(kind)
     if name not in entries:
         known = [*entries, IDEAL] if kind in ("transducer", "analyzer") else list(entries)
@@ -104,7 +115,10 @@ def entry_of(kind: str, name: str) -> Entry:
 
 @cache
 def shelf(kind: str) -> dict[str, Entry]:
-    """Every entry of one kind, read once: the files belong to the package and do not change while it runs."""
+    """Return every entry of one kind.
+
+    Read once: the files belong to the package and do not change while it runs.
+    """
     path = HERE / f"{kind}s.yaml"
     notes = Notes()
     root = read_yaml(read_file(path), path.name, notes.mistakes)

@@ -1,4 +1,6 @@
-"""Rig files: everything about the stand that a protocol does not say, read strictly and written back unchanged."""
+"""Rig files: everything about the stand that a protocol does not state, read strictly and written
+back unchanged.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,17 @@ _EXCITER = tuple(f"exciter.{name}" for name in stated_fields(Exciter))
 
 
 def rig_names() -> tuple[str, ...]:
-    """The rigs that the catalog holds."""
+    """Return the names of the catalog's rigs."""
     return tuple(sorted(path.stem for path in (HERE / "rigs").glob("*.yaml")))
 
 
 def is_path(name: str) -> bool:
-    """Whether a rig is named by its file and not by its catalog name."""
+    """Return whether a rig is given by its file and not by its catalog name."""
     return "/" in name or "\\" in name or name.endswith((".yaml", ".yml"))
 
 
 def rig_path(name: str | Path) -> Path:
-    """The file of a rig; InputError where it does not exist."""
+    """Return the file of a rig. Raises InputError where it does not exist."""
     named_by_file = isinstance(name, Path) or is_path(name)
     path = Path(name) if named_by_file else HERE / "rigs" / f"{name}.yaml"
     if not (os.path.isfile(path) if named_by_file else name in rig_names()):
@@ -50,7 +52,8 @@ def rig_path(name: str | Path) -> Path:
 
 
 def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
-    """A rig from the catalog or from a file; values that a file leaves out are those of the default rig.
+    """Return a rig from the catalog or from a file; values missing in a file are those of the
+    default rig.
 
     Raises InputError with every mistake of the file.
     """
@@ -62,19 +65,21 @@ def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
 
 
 def rig_with_losses(rig: Rig, noise: float, air: float, provenance: Mapping[str, Any]) -> Rig:
-    """The rig with identified loss coefficients: `noise` in N s/m, `air` in N s^2/m^2, and how they were found."""
+    """Return the rig with identified loss coefficients, `noise` in N s/m and `air` in N s^2/m^2,
+    and their provenance.
+    """
     found = {"loss_noise": noise, "loss_air": air}
-    values = tuple(
-        replace(value, value=found[value.path], status="computed", source="rig calibrate, see provenance")
-        if value.path in found
-        else value
-        for value in rig.values
-    )
-    return replace(rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=values)
+    values = []
+    for value in rig.values:
+        if value.path in found:
+            origin = "rig calibrate, see provenance"
+            value = replace(value, value=found[value.path], status="computed", source=origin)
+        values.append(value)
+    return replace(rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=tuple(values))
 
 
 def dump_rig(rig: Rig) -> str:
-    """The text of a rig file that load_rig reads back to an equal rig."""
+    """Return the text of a rig file that load_rig reads back to an equal rig."""
     origins = {value.path: value for value in rig.values}
 
     def stated(owner: str, thing: object, path: str) -> dict[str, Any]:
@@ -140,6 +145,7 @@ def _rig(parts: Mapping[str, Any], base: Rig | None) -> Rig:
 
 
 def _preset_values(name: str) -> dict[str, CatalogValue]:
+    """Return the stated values of a catalog exciter, by their paths in a rig file."""
     stated = entry_of("exciter", name).values
     return {f"exciter.{value.path}": replace(value, path=f"exciter.{value.path}") for value in stated}
 

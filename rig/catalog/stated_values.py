@@ -1,4 +1,6 @@
-"""Numbers that state their origin: `{value, unit, status, source}`, or a plain quantity in a user's own rig file."""
+"""Numbers that state their origin: `{value, unit, status, source}`, or a plain quantity in a user's
+own rig file.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every number of the catalog in one table, with its origin: what `rig catalog` shows."""
+"""Every number of the catalog with its origin in one table, for `rig catalog`."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from rig.catalog.rig_file import load_rig, rig_names
 
 
 class Row(NamedTuple):
-    """One number of the catalog, for a listing."""
+    """A number of the catalog in a listing."""
 
     kind: str
     name: str
@@ -20,7 +20,9 @@ class Row(NamedTuple):
 
 
 def listing() -> tuple[Row, ...]:
-    """Every number of the catalog with its origin, kind by kind in the order of the files; then the rigs'."""
+    """Return every number of the catalog with its origin, kind by kind in the order of the files;
+    the rigs' are last.
+    """
     return (*_shelved(), *_rigs())
 
 

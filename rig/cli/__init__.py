@@ -1,4 +1,7 @@
-"""The command `rig`. Heavy imports happen inside the commands: `rig --help` needs none of them."""
+"""The command `rig`.
+
+Commands import heavy modules inside their functions, so that `rig --help` needs none of them.
+"""
 
 from rig.cli.app import main
 

@@ -1,4 +1,4 @@
-"""Commands over `rig.campaign`, one function each; exit 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
+"""The commands, one function each; exit code 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
 
 import gc
 from dataclasses import replace
@@ -38,7 +38,9 @@ def options(
         bool, typer.Option("--version", is_eager=True, callback=_version, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Virtual test rig for particle dampers: run a protocol, read the records, compare with the model."""
+    """Virtual test rig for particle dampers: run a protocol, read the records, compare with the
+    model.
+    """
 
 
 ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML) or shipped name.")]
@@ -95,7 +97,7 @@ def check(
     protocol: ProtocolFile, seed: Seed = None, rig: RigFile = None, strict: Strict = False,
     set_: Sets = None, vary: Varies = None, json: Json = False,
 ) -> None:  # fmt: skip
-    """Validate a protocol and look ahead: exciter use, ranges, disk, time, expected W and uncertainty.
+    """Validate a protocol and predict exciter use, ranges, disk, time, expected W and uncertainty.
 
     Exit code 1 where a level, a range or a tolerance will not be kept.
 
@@ -116,7 +118,8 @@ def model(
 ) -> None:  # fmt: skip
     """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
 
-    With --study: the paper's Figs. 5 to 8, or its errata with their numbers, as figures, CSV and a table.
+    With --study: the paper's Figs. 5 to 8, or its errata with their numbers, as figures, CSV and a
+    table.
 
     Example: rig model --set scene.grains.diameter="5 mm" --vary drive.acceleration=[2,4,6]
     """
@@ -214,8 +217,9 @@ def export_(
 ) -> None:
     """Write records for other tools: UFF58 (types 1 and 4), CSV, SEP-005, MATLAB.
 
-    Poles and delays of the channels are undone, so that W from the file is that of the report. A JSON file beside each
-    tells flags, certificates and where the whole cycles begin; rig import reads it.
+    Poles and delays of the channels are undone, so that W from the file is that of the report. A
+    JSON file beside each tells flags, certificates and where the whole cycles begin; rig import
+    reads it.
 
     Example: rig export sessions/fill_rate --to uff58 --run 3
     """
@@ -257,7 +261,8 @@ def calibrate(
     seed: Seed = None, rig: RigFile = None, set_: Sets = None, vary: Varies = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False, json: Json = False,
 ) -> None:  # fmt: skip
-    """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological sense).
+    """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological
+    sense).
 
     Example: rig calibrate density --target 0.07 --out my_rig.yaml
     """
@@ -305,7 +310,8 @@ def catalog(
     kind: Annotated[str, typer.Argument(metavar="[KIND]", help="material, exciter, transducer, analyzer or rig.")] = "",
     json: Json = False,
 ) -> None:
-    """List materials, exciters, transducers, analyzers and rigs, every value with its status and source.
+    """List materials, exciters, transducers, analyzers and rigs, every value with its status and
+    source.
 
     Example: rig catalog exciter
     """
@@ -320,7 +326,8 @@ def schema(
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Print a JSON Schema for editors (protocol, map of an import) or for readers of report.json and comparison.json.
+    """Print a JSON Schema for editors (protocol, map of an import) or for readers of report.json
+    and comparison.json.
 
     Example: rig schema protocol --out protocol.schema.json
     """
@@ -329,6 +336,7 @@ def schema(
     schema_text(kind, out, force)
 
 
+# A protocol of defaults only, for `rig model` without one.
 _DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
 
 
@@ -343,6 +351,7 @@ def _load(
 def _campaign(
     source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
 ) -> "Campaign":
+    """Return the resolved campaign of a protocol file or name, with the command line's changes."""
     from rig.campaign.resolve import campaign_of
     from rig.catalog.rig_file import load_rig
     from rig.cli.terminal.output import say_compiling
@@ -354,6 +363,7 @@ def _campaign(
 
 
 def _speed(text: str) -> float | None:
+    """Return rig seconds per wall second, None for as fast as possible. Raises InputError."""
     from rig.errors import InputError, Mistake
 
     if text == "max":
@@ -368,6 +378,9 @@ def _speed(text: str) -> float | None:
 
 
 def main() -> None:
-    """Run the command line; the collector of cycles looks in less often than it would during the heavy imports."""
+    """Run the command line.
+
+    A high threshold keeps the garbage collector from running during the heavy imports.
+    """
     gc.set_threshold(100_000)
     with_whole_output(app)

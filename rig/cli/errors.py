@@ -1,4 +1,6 @@
-"""Errors a user can mend become one clear message and an exit code; any other is a defect with its traceback."""
+"""Turn errors that a user can correct into one message and an exit code; any other is a defect and
+keeps its traceback.
+"""
 
 import atexit
 import errno
@@ -16,17 +18,21 @@ from rig.cli.memory import memory_limit, short_of_memory
 
 BAD_INPUT, INTERRUPTED = 2, 3
 FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.ESTALE}
-"""What a disk says that fails under a good command."""
+"""Error numbers of a failing or full disk, not of a wrong command."""
 
 UsageError: Any = typer.BadParameter.__base__
-"""What a wrong option or argument raises; typer has it from a package or from a copy of its own."""
+"""The exception for a wrong option or argument; typer takes it from click or from a copy of its
+own.
+"""
 
 
 class Commands(TyperGroup):
-    """The command group: the one place where errors turn into exit codes."""
+    """The command group: the only place where errors become exit codes."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Call the command; exit 2 for bad input, 3 where it was interrupted, failed by the machine or was late."""
+        """Call the command; exit 2 for bad input, 3 for an interruption, a failure of the machine
+        or a late sample.
+        """
         from rig.errors import InputError
 
         short = short_of_memory()
@@ -42,7 +48,7 @@ class Commands(TyperGroup):
         except UsageError as error:
             error.message = visible(error.message)
             raise
-        except BrokenPipeError:  # whoever read the output has seen enough: not 1, which is a verdict
+        except BrokenPipeError:  # the reader has closed the output; 1 would be a verdict
             sys.exit(INTERRUPTED)
         except Exception as error:
             code = _known(error)
@@ -50,7 +56,8 @@ class Commands(TyperGroup):
                 raise
             fail(_sentence(error), code)
             if _is_write_error(error):
-                # HDF5 cannot put away a file that it could not write: it would print its own words, and crash.
+                # HDF5 cannot close a file that it could not write: at exit it would print errors
+                # and crash.
                 _flush(sys.stdout)
                 _flush(sys.stderr)
                 os._exit(code)
@@ -58,6 +65,7 @@ class Commands(TyperGroup):
 
 
 def _known(error: Exception) -> int | None:
+    """Return the exit code of an error that a user can correct, None for a defect."""
     if isinstance(error, MemoryError):
         return INTERRUPTED
     if isinstance(error, OSError):
@@ -74,7 +82,7 @@ def _known(error: Exception) -> int | None:
 
 
 def _sentence(error: Exception) -> str:
-    """What an error says, in one line."""
+    """Return an error's message in one line."""
     if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):
         limit = memory_limit()
         told = "" if limit is None else f": this process may use {limit / 1e6:.0f} MB (ulimit -v)"
@@ -85,6 +93,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _is_write_error(error: Exception) -> bool:
+    """Return whether HDF5 failed to write a session."""
     if isinstance(error, OSError | MemoryError):
         return False
     from daq.session.plan import WriteError
@@ -93,17 +102,20 @@ def _is_write_error(error: Exception) -> bool:
 
 
 def fail(message: str, code: int) -> int:
-    """Say what went wrong, line by line where there is anybody to hear it, and return the exit code."""
-    with suppress(OSError, ValueError):  # a full disk under standard error, or none at all: the code has to do
+    """Print an error message to standard error, if possible, and return the exit code."""
+    # Standard error may be on a full disk, or closed: then the exit code must suffice.
+    with suppress(OSError, ValueError):
         print(f"rig: {visible(message, chr(10))}", file=sys.stderr, flush=True)
     return code
 
 
 def with_whole_output(call: Callable[[], object]) -> None:
-    """Run a command and end the process with its exit code, all output written; 3 where a disk under it is full.
+    """Run a command and end the process with its exit code after all output is written; 3 where its
+    disk is full.
 
-    What a terminal cannot show is written as an escape, so that no name and no sign ends a command. The interpreter
-    and the compiler's libraries are not taken down piece by piece: that is .3 s in which nothing happens.
+    Characters that the terminal cannot show are written as escapes, so that no name ends a command.
+    The process ends without the orderly shutdown of the interpreter and the compiler's libraries,
+    which takes 0.3 s.
     """
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -113,18 +125,21 @@ def with_whole_output(call: Callable[[], object]) -> None:
         call()
     except SystemExit as ended:
         code = ended.code
-    except OSError as error:  # while help, or what is wrong with an option, was printed
+    except OSError as error:  # while help or a usage error was printed
         code = fail(_sentence(error), BAD_INPUT if isinstance(error.__context__, UsageError) else INTERRUPTED)
     lost = _flush(sys.stdout)
     if lost is not None and lost.errno != errno.EPIPE:
         code = fail(f"the output cannot be written ({lost.strerror})", INTERRUPTED)
     _flush(sys.stderr)
+    # os._exit skips the exit functions; some delete temporary folders.
     atexit._run_exitfuncs()
     os._exit(code if isinstance(code, int) else int(code is not None))
 
 
 def _flush(stream: Any) -> OSError | None:
-    """Write out what a stream holds; where that fails, drop it, or Python tries again at exit and changes the code."""
+    """Flush a stream; where that fails, redirect it, or Python tries again at exit and changes the
+    exit code.
+    """
     try:
         stream.flush()
     except OSError as error:

@@ -1,21 +1,29 @@
-"""What memory this process may use: a limit turns into a sentence before libraries hang or crash over it."""
+"""The memory that this process may use: a limit gives a clear message before libraries hang or
+crash.
+"""
 
 import os
 from collections.abc import Iterable
 from pathlib import Path
 
 LEAST = 1200 * 10**6
-"""Bytes of address space below which the libraries do not load: some crash, and some wait for ever for a thread."""
+"""Bytes of address space below which the libraries do not load: some crash, others wait for ever
+for a thread.
+"""
 
 ALWAYS = 4 * 2**30
-"""Bytes that reading files of strangers may take, however small they are."""
+"""Bytes that reading a stranger's files may take, however small they are."""
 
 TIMES = 40
-"""Times their size that files of strangers may take beyond that: text of one digit a number, objects of JSON."""
+"""Multiple of the files' size that reading may take beyond that: text with one digit per number,
+JSON objects.
+"""
 
 
 def memory_limit() -> int | None:
-    """Return the limit of this process's address space (ulimit -v) in bytes, None for none."""
+    """Return the limit of this process's address space (ulimit -v) in bytes, None where there is
+    none.
+    """
     try:
         import resource
     except ImportError:  # Windows
@@ -25,10 +33,11 @@ def memory_limit() -> int | None:
 
 
 def short_of_memory() -> str:
-    """Return what to say where the address space is too small for the libraries, "" where it is not.
+    """Return a message where the address space is too small for the libraries, "" where it
+    suffices.
 
-    Under any limit, linear algebra goes on in one thread: each takes tens of MB, and one that cannot start its
-    threads interrupts the process.
+    Under any limit, linear algebra is set to one thread: each takes tens of MB, and a library that
+    cannot start its threads interrupts the process.
     """
     limit = memory_limit()
     if limit is None:
@@ -40,9 +49,10 @@ def short_of_memory() -> str:
 
 
 def limit_memory(files: Iterable[Path]) -> None:
-    """Limit what this process may allocate to what files of their size can honestly need.
+    """Limit this process's allocations to the amount that valid files of this size can need.
 
-    Whatever a foreign file makes a library allocate then ends in a MemoryError, and not in a machine that swaps.
+    An absurd allocation caused by a foreign file then raises MemoryError instead of making the
+    machine swap.
     """
     try:
         import resource

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analysis.session.record import AnalysisError
 from analysis.signals.cycles import whole_cycles
 from analysis.signals.stationary import Steadiness, drive_frequency, steadiness
-from daq.formats.reading import Column, CsvStyle, kind_of, read_columns
+from daq.formats.reading import CsvStyle, FileColumn, kind_of, read_columns
 from daq.formats.sidecar import Sidecar
 from daq.formats.wave import FormatError
 from daq.regular_files import open_regular
@@ -108,7 +108,7 @@ def _gate(file: Path, mapping: RecordMap, steady: Steadiness) -> None:
 
 
 def _rate(
-    file: Path, mapping: RecordMap, channels: tuple[Column, Column], beside: float | None, time: Array | None
+    file: Path, mapping: RecordMap, channels: tuple[FileColumn, FileColumn], beside: float | None, time: Array | None
 ) -> float:
     """Samples per second: of the mapping, the time column, the file, or the JSON file beside it."""
     if time is not None and mapping.time is not None:

@@ -18,7 +18,7 @@ from daq.chain.channel import AnalyzerSpec, Channel, TransducerSpec, channel_inf
 from daq.chain.frontend import FrontEnd
 from daq.chain.replay import Replayed
 from daq.chain.transducer import Transduced
-from daq.faults.in_blocks import KINDS, Fault, Faulted
+from daq.faults.in_blocks import KINDS, BlockFault, Faulted
 from daq.random_streams import stream
 from daq.session.plan import RunPlan, SessionPlan
 from daq.session.record import Record, open_session
@@ -90,7 +90,7 @@ def replayed() -> Replayed:
 def faulted() -> Faulted:
     """One fault of every kind, over the first 20000 samples and across each other."""
     faults = [
-        Fault(kind, k % 2, 300 + 1900 * k, 2500 + 1900 * k, 3.0 if kind == "clock_slip" else 0.01)
+        BlockFault(kind, k % 2, 300 + 1900 * k, 2500 + 1900 * k, 3.0 if kind == "clock_slip" else 0.01)
         for k, kind in enumerate(KINDS)
     ]
     noise = [stream(7, "fault", kind) for kind in KINDS]

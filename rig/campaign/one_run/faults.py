@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from daq.chain.acquisition import Acquisition
 from daq.chain.frontend import FILTER_DELAY
-from daq.faults.in_blocks import Fault, Faulted
+from daq.faults.in_blocks import BlockFault, Faulted
 from daq.random_streams import stream
 from rig.protocol.faults import Fault as Asked
 from rig.protocol.schedule import Lengths, Run
@@ -25,7 +25,7 @@ def with_faults(
     changes no other.
     """
     names, period = acquisition.channels, size.rate / run.condition.drive.frequency
-    found: list[tuple[Asked, Fault]] = []
+    found: list[tuple[Asked, BlockFault]] = []
     for asked in protocol.faults:
         if asked.channel not in names or asked.repeat not in (None, run.repeat):
             continue
@@ -43,7 +43,7 @@ def with_faults(
     return Faulted(acquisition, late, noise, floor, iepe)
 
 
-def _placed(asked: Asked, row: int, period: float, samples: int) -> Fault:
+def _placed(asked: Asked, row: int, period: float, samples: int) -> BlockFault:
     """Return a fault in samples of the record: sample n shows drive time (n -
     FILTER_DELAY) / rate.
     """
@@ -52,4 +52,4 @@ def _placed(asked: Asked, row: int, period: float, samples: int) -> Fault:
         stop = max(math.ceil((asked.start + asked.duration) * period + FILTER_DELAY), start + 1)
     else:
         stop = start + 1 if asked.kind == "spike" else samples
-    return Fault(asked.kind, row, start, stop, asked.size)
+    return BlockFault(asked.kind, row, start, stop, asked.size)

@@ -20,7 +20,9 @@ from rig.errors import InputError, Mistake
 
 
 def bench(quick: bool, out: Path | None, as_json: bool, todo: Sequence[Job] | None = None) -> int:
-    """Measure, print and write: 0, or 3 where it was interrupted; the rows so far are in the file then."""
+    """Measure, print and write; return the exit code 0, or 3 where interrupted: the rows measured
+    so far are then in the file.
+    """
     found: list[dict[str, Any]] = []
     work = jobs(quick) if todo is None else todo
     with _lines(out) as file:
@@ -51,7 +53,7 @@ def bench(quick: bool, out: Path | None, as_json: bool, todo: Sequence[Job] | No
 
 @contextmanager
 def _lines(out: Path | None) -> Iterator[TextIO | None]:
-    """The file that rows go to, opened before anything is measured."""
+    """Open the file of the rows before anything is measured; None without an output folder."""
     if out is None:
         with nullcontext():
             yield None
@@ -67,7 +69,7 @@ def _lines(out: Path | None) -> Iterator[TextIO | None]:
 
 @contextmanager
 def _progress(work: Sequence[Job], quiet: bool) -> Iterator[Any]:
-    """A bar with the time left on a terminal's standard error; elsewhere a line for each job."""
+    """Show a bar with the time left on a terminal's standard error, elsewhere one line per job."""
     console = terminal(stderr=True, quiet=quiet)
     if not console.is_terminal:
         yield lambda job, done: None if done else console.print(job.title, highlight=False)

@@ -1,4 +1,4 @@
-"""`rig calibrate`: a rig file with the losses that a target asks for."""
+"""`rig calibrate`: write a rig file with the parasitic losses that cause a target offset."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from rig.errors import InputError, Mistake
 
 
 def calibrate_rig(campaign: Campaign, target: float, out: Path, force: bool, as_json: bool) -> None:
-    """`rig calibrate`: write a rig file with the losses that the target asks for."""
+    """Write a rig file with the losses that cause the target offset of the energy-weighted ratio."""
     if out.exists() and not force:
         raise InputError(Mistake(str(out), "", "a file that exists", "a new path, or --force to replace it"))
     with progress("runs", as_json) as watch:

@@ -9,7 +9,7 @@ KINDS = ("material", "exciter", "transducer", "analyzer", "rig")
 
 
 def catalog_table(kind: str, as_json: bool) -> None:
-    """`rig catalog`."""
+    """Print the catalog's values of one kind, of all kinds for ""."""
     if kind and kind not in KINDS:
         raise InputError(Mistake("rig catalog", "kind", repr(kind), ", ".join(KINDS), nearest(kind, KINDS)))
     rows = [row for row in listing() if kind in ("", row.kind)]

@@ -1,4 +1,6 @@
-"""`rig check`: what a campaign will ask of the rig, and what its repeats will be able to tell."""
+"""`rig check`: predict the demand of a campaign on the rig, and the differences that its repeats
+can resolve.
+"""
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict, replace
@@ -11,10 +13,11 @@ from rig.cli.terminal.tables import millijoules, number, table, terminal
 
 
 def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
-    """`rig check`: a line per condition.
+    """Print one line per condition and return the exit code.
 
-    0 where the plan holds, 1 where it will not do what was asked: a level that is not reached, a channel that
-    overloads, a tolerance of `fidelity: auto` that is not met. With --strict 2 where any limit is exceeded.
+    0 where the plan holds; 1 where it does not: a level that is not reached, a channel that
+    overloads, a tolerance of `fidelity: auto` that is not met. With --strict 2 where any limit is
+    exceeded.
     """
     outlooks = list(preflight(campaign, cores()))
     cycles = {c.id: c.acquire.settle + c.acquire.record for c in campaign.conditions}
@@ -35,6 +38,7 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             del row["expected"]
         if campaign.choices:
             rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
+        # The JSON output is the same on every machine: the computing time is left out.
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
         print_json({"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet})
     else:
@@ -45,11 +49,11 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             "force": max(o.range_force for o in outlooks),
             "acceleration": max(o.range_acceleration for o in outlooks),
         }
-        told = (
-            f"{c.name} {c.range_V:g} V" + (f" ({used[c.name]:.2f} used)" if c.name in used else "")
-            for c in campaign.instruments.channels
-        )
-        terminal().print(f"ranges: {', '.join(told)}")
+        ranges = []
+        for c in campaign.instruments.channels:
+            utilisation = f" ({used[c.name]:.2f} used)" if c.name in used else ""
+            ranges.append(f"{c.name} {c.range_V:g} V{utilisation}")
+        terminal().print(f"ranges: {', '.join(ranges)}")
         if campaign.choices:
             _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []
@@ -57,11 +61,13 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         say(f"rig: --strict: {line}", to_stderr=True)
     if unmet:
         say(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", to_stderr=True)
-    return 2 if refused else 1 if unmet else 0
+    if refused:
+        return 2
+    return 1 if unmet else 0
 
 
 def _print_decisions(found: Sequence[Decision], repeats: int) -> None:
-    """What is to be expected of each claim, and by how many repeats."""
+    """Print the expected verdict of each claim, and the number of repeats that decides it."""
     lines = [
         (
             str(place), one.claim, one.verdict,
@@ -76,7 +82,9 @@ def _print_decisions(found: Sequence[Decision], repeats: int) -> None:
 
 
 def _print_choices(campaign: Campaign) -> None:
-    """What `fidelity: auto` found for each condition, and where the tolerance is out of reach."""
+    """Print the choices of `fidelity: auto` for each condition, and the reason where the tolerance
+    is out of reach.
+    """
     console = terminal()
     lines = [
         (
@@ -97,14 +105,16 @@ def _print_choices(campaign: Campaign) -> None:
 
 
 def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swept: Set[str]) -> None:
-    """swept: conditions that sweep, of which no level and no energy is told."""
+    """Print the utilisation of the limits and the expected energies. swept: conditions without a
+    level or an energy.
+    """
     console = terminal()
     rows = [
         (
             o.id, o.material, o.bed, f"{100 * o.fill:g}",
             "-" if o.id in swept else number(o.acceleration),
             f"{o.samples_per_cycle:.0f}",
-            *(f"{share:.2f}" for share in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
+            *(f"{used:.2f}" for used in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
             f"{o.exciter.peak:.2f}", f"{max(o.range_force, o.range_acceleration):.2f}",
         )
         for o in outlooks

@@ -1,4 +1,4 @@
-"""`rig export` and `rig import`: other tools' files."""
+"""`rig export` and `rig import`: exchange records with other tools."""
 
 import hashlib
 import os
@@ -31,10 +31,11 @@ SUFFIXES: Mapping[str, str] = {"uff58": ".uff", "csv": ".csv", "sep005-npz": ".n
 def export_session(
     session: Path, to: str, run: str | None, out: Path | None, raw: bool, as_json: bool, force: bool = False
 ) -> None:
-    """`rig export`: a file per run in the folder `out`, else in the session's folder `export`; `out` itself for one.
+    """Write one file per run into the folder `out`, by default the session's folder `export`; for
+    one run `out` is the file.
 
-    raw: the codes' own samples, poles and delays left in. force: replace files that are no exports; the session itself
-    is never replaced.
+    raw: leave poles and delays in the samples. force: replace files that are not exports; the
+    session itself is never replaced.
     """
     if to not in SUFFIXES:
         raise InputError(Mistake("--to", "", repr(to), ", ".join(SUFFIXES), nearest(to, SUFFIXES)))
@@ -60,7 +61,9 @@ def export_session(
 
 
 def _check_target(file: Path, session: Path, force: bool) -> None:
-    """Refuse a target that would cost the user a file: the session, or whatever `rig export` has not written."""
+    """Raise InputError for a target whose replacement would cost the user a file: the session, or a
+    file not written by `rig export`.
+    """
     beside = sidecar_of(file)
     for target in (file, beside):
         if target.is_dir():
@@ -75,7 +78,9 @@ def _check_target(file: Path, session: Path, force: bool) -> None:
 
 
 def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool, as_json: bool) -> int:
-    """`rig import`: session and report; 0 where the verdict passes, 1 where it does not."""
+    """Write a session and its report; return the exit code 0 where the verdict passes, 1 where it
+    does not.
+    """
     from analysis import read_session, write_report
     from rig.importing.mapping import read_mapping
     from rig.importing.to_session import import_records
@@ -95,7 +100,7 @@ def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool,
 
 
 def _chosen(record: Record, run: str | None) -> list[RunInfo]:
-    """The runs asked for: a name, a number, or all complete ones."""
+    """Return the runs selected by a name or a number, or all complete ones."""
     names = [info.name for info in record.runs]
     if run is not None:
         name = f"run_{int(run):04d}" if run.isdecimal() else run
@@ -109,7 +114,7 @@ def _chosen(record: Record, run: str | None) -> list[RunInfo]:
 
 
 def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> None:
-    """Write one run and, beside it, what its format has no place for."""
+    """Write one run and, beside it, the facts for which its format has no field."""
     waves = exported_waves(record, info, raw)
     document = _beside(record, info, raw)
     if to == "uff58":
@@ -130,8 +135,8 @@ def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> Non
 def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]:
     """Return all channels of a run in engineering units, in the order of the channel table.
 
-    Unless `raw`, poles are undone, and each channel is moved to the time of the first, which is late by a whole number
-    of samples or as many as the analysis allows for.
+    Unless `raw`, poles are corrected, and each channel is shifted to the time of the first, which
+    keeps its own delay.
     """
     channels = list(record.channels.values())
     window = window_range(record, info)
@@ -150,12 +155,12 @@ def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]
 
 
 def _delay(channel: ChannelInfo, rate: float) -> float:
-    """Return the time by which a channel's samples are late, s."""
+    """Return the delay of a channel's samples, s."""
     return channel.filter_delay / rate - channel.skew
 
 
 def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
-    """Return the document that stands beside an exported record (daq.formats.sidecar)."""
+    """Return the document for the file beside an exported record (daq.formats.sidecar)."""
     names = list(record.channels)
     first, last = window_range(record, info)
     condition = record.conditions[info.condition]
@@ -189,7 +194,9 @@ def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
 
 
 def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
-    """Accelerance at the drive's harmonics, poles and delays corrected; none for a run that cannot be analysed."""
+    """Return the accelerance at the drive's harmonics, poles and delays corrected; empty for a run
+    that cannot be analysed.
+    """
     from analysis import AnalysisError, run_energy
 
     try:

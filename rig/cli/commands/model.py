@@ -1,4 +1,6 @@
-"""`rig model`: both tiers of W_T without a stand, hence without instruments, records and analysis."""
+"""`rig model`: both variants of W_T, without a stand and hence without instruments, records and
+analysis.
+"""
 
 from rig.catalog.rig_file import load_rig
 from rig.cli.terminal.output import print_json
@@ -15,7 +17,9 @@ TITLE = (
 
 
 def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
-    """`rig model`."""
+    """Print the predicted energies of each condition, and warn where a prediction exceeds the
+    bound.
+    """
     rig = load_rig(loaded.protocol.rig)
     found = resolved(loaded.protocol, conditions(loaded.protocol), rig)
     rows = [model_row(condition, predict(condition, rig, cycles)) for condition, cycles in found]

@@ -1,4 +1,4 @@
-"""`rig replay`: a recorded session once more, over the road of `rig run`."""
+"""`rig replay`: feed a recorded session through recorder, analysis and report again."""
 
 from collections import Counter
 from pathlib import Path
@@ -8,7 +8,7 @@ from daq.session.record import Record
 from rig.campaign.replayer import replay
 from rig.cli.commands.run import check_folder
 from rig.cli.commands.sessions import session_file
-from rig.cli.terminal.live import Line, live_view, timing
+from rig.cli.terminal.live import ConditionLine, live_view, timing
 from rig.cli.terminal.output import print_json, print_result
 from rig.cli.terminal.tables import print_report, terminal
 from rig.cli.terminal.watch import PATIENCE, open_watched
@@ -16,7 +16,7 @@ from rig.errors import InputError, Mistake
 
 
 def replay_session(session: Path, out: Path | None, speed: float | None, force: bool, as_json: bool) -> int:
-    """`rig replay`: 0 where the verdict passes, 1 where it does not."""
+    """Replay a session; return the exit code 0 where the verdict passes, 1 where it does not."""
     path = session_file(session)
     if out is not None:
         if (out / "session.h5").exists() and path.exists() and (out / "session.h5").samefile(path):
@@ -37,10 +37,11 @@ def replay_session(session: Path, out: Path | None, speed: float | None, force: 
     return 0 if report.passes else 1
 
 
-def lines_of_record(record: Record) -> dict[str, Line]:
-    """The conditions of a session."""
+def lines_of_record(record: Record) -> dict[str, ConditionLine]:
+    """Return the live view's lines for the conditions of a session, by id."""
     runs = Counter(run.condition for run in record.runs)
-    return {
-        key: Line(setting.bed, setting.fill, setting.diameter, setting.acceleration_set, runs[key])
-        for key, setting in ((key, Setting.of(condition)) for key, condition in record.conditions.items())
-    }
+    lines = {}
+    for key, condition in record.conditions.items():
+        setting = Setting.of(condition)
+        lines[key] = ConditionLine(setting.bed, setting.fill, setting.diameter, setting.acceleration_set, runs[key])
+    return lines

@@ -1,4 +1,6 @@
-"""`rig run`: a campaign on the stand, with a live view; refuses before it computes."""
+"""`rig run`: run a campaign on the stand with a live view; errors are found before anything is
+computed.
+"""
 
 import os
 from pathlib import Path
@@ -15,7 +17,7 @@ def run_protocol(
     campaign: Campaign, out: Path, workers: int | None, speed: float | None, resume: bool, force: bool, strict: bool,
     as_json: bool,
 ) -> int:  # fmt: skip
-    """`rig run`: 0 where the verdict passes, 1 where it does not."""
+    """Run a campaign; return the exit code 0 where the verdict passes, 1 where it does not."""
     check_folder(out, resume, force)
     count = workers or cores()
     console = terminal(stderr=True, quiet=as_json)
@@ -34,7 +36,7 @@ def run_protocol(
 
 
 def _refuse_beyond(campaign: Campaign, workers: int) -> None:
-    """Raise InputError where a condition exceeds a limit; only --strict needs the look ahead."""
+    """Raise InputError where a condition exceeds a limit; only --strict needs the dry run."""
     from rig.campaign.preflight.outlook import preflight
 
     mistakes = [
@@ -47,13 +49,16 @@ def _refuse_beyond(campaign: Campaign, workers: int) -> None:
 
 
 def check_folder(out: Path, resume: bool, force: bool) -> None:
-    """Refuse a session that is there already, or a folder that cannot be written, before anything is computed."""
+    """Raise InputError for an existing session, or a folder that cannot be written, before anything
+    is computed.
+    """
     if (out / "session.h5").exists() and not (resume or force):
         raise InputError(
             Mistake(
                 str(out / "session.h5"), "", "a session that exists", "--resume to go on with it, --force to replace it"
             )
         )
+    # The nearest existing folder decides: the rest is created on writing.
     place = out
     while not place.exists():
         place = place.parent

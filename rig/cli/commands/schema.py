@@ -13,7 +13,7 @@ KINDS = ("protocol", "report", "comparison", "map")
 
 
 def schema_text(kind: str, out: Path | None, force: bool) -> None:
-    """Print the schema, or write it to a file."""
+    """Print the schema of a kind of document, or write it to a file."""
     if kind not in KINDS:
         raise InputError(Mistake("rig schema", "kind", repr(kind), ", ".join(KINDS), nearest(kind, KINDS)))
     schema = schema_of(kind)
@@ -26,7 +26,7 @@ def schema_text(kind: str, out: Path | None, force: bool) -> None:
 
 
 def schema_of(kind: str) -> Mapping[str, Any]:
-    """The schema of one of KINDS."""
+    """Return the JSON Schema of one of KINDS."""
     if kind == "protocol":
         from rig.protocol.json_schema import protocol_schema
 

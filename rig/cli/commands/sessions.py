@@ -1,13 +1,14 @@
-"""`rig report` and `rig info`: recorded sessions, read again."""
+"""`rig report` and `rig info`: analyse or describe recorded sessions."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.text import counted
 from daq.chain.block import flag_names
+from daq.session.plan import RunInfo
 from daq.session.record import Record
 from daq.whole_files import UNFINISHED, unfinished
 from rig.cli.terminal.output import cores, print_json, print_result, say
@@ -24,7 +25,9 @@ MIXED = f"stopped while it was written, its files do not belong together ({UNFIN
 def report_sessions(
     sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
 ) -> int:
-    """`rig report`: analysis and agreement from the records alone."""
+    """Analyse sessions from their records alone and write the reports; return the exit code 0 where
+    all verdicts pass.
+    """
     from analysis import write_report
 
     if out is not None and len(sessions) > 1:
@@ -93,7 +96,7 @@ def _instruments(record: Record) -> object:
 
 
 def validate_session(session: Path, as_json: bool) -> int:
-    """`rig info --validate`: every deviation from the session format; 1 where there is one."""
+    """List every deviation from the session format; return the exit code 1 where there is one."""
     from analysis.session.documents import session_document_deviations
     from daq.session.validate import session_deviations
 
@@ -111,7 +114,7 @@ def validate_session(session: Path, as_json: bool) -> int:
 
 
 def session_info(session: Path, as_json: bool) -> None:
-    """`rig info`."""
+    """Print the content of a session."""
     path = session_file(session)
     with open_watched(path) as record:
         facts = {**_facts(record), "report_unfinished": unfinished(path.parent)}
@@ -143,7 +146,6 @@ def session_info(session: Path, as_json: bool) -> None:
 def _facts(record: Record) -> dict[str, Any]:
     from analysis.session.documents import checked, document_as
     from analysis.session.protocol import SessionProtocol
-    from analysis.session.setting import Setting
 
     protocol = document_as(SessionProtocol, "protocol", record.document("protocol"))
     runs: dict[str, list[Any]] = {}
@@ -157,20 +159,25 @@ def _facts(record: Record) -> dict[str, Any]:
         "truth": record.truth is not None,
         "rate": record.rate,
         "channels": [{**asdict(info), "pole_Hz": info.pole_Hz} for info in record.channels.values()],
-        "conditions": [
-            {
-                **condition,
-                "runs": len(runs.get(key, [])),
-                "complete_runs": sum(run.complete for run in runs.get(key, [])),
-                "flags": sorted({name for run in runs.get(key, []) for name in flag_names(run.flags)}),
-            }
-            for key, condition in record.conditions.items()
-            if Setting.of(condition)
-        ],
+        "conditions": _condition_facts(record, runs),
         "provenance": checked("provenance", record.document("provenance")) or {},
     }
 
 
+def _condition_facts(record: Record, runs: Mapping[str, Sequence[RunInfo]]) -> list[dict[str, Any]]:
+    """Return each condition with the state of its runs."""
+    from analysis.session.setting import Setting
+
+    found = []
+    for key, condition in record.conditions.items():
+        Setting.of(condition)  # raises AnalysisError where a condition lacks a field of the table
+        own = runs.get(key, [])
+        flags = sorted({name for run in own for name in flag_names(run.flags)})
+        complete = sum(run.complete for run in own)
+        found.append({**condition, "runs": len(own), "complete_runs": complete, "flags": flags})
+    return found
+
+
 def session_file(session: Path) -> Path:
-    """The session file itself, or the one in a folder."""
+    """Return the session file itself, or the one in a folder."""
     return session / "session.h5" if session.is_dir() else session

@@ -12,7 +12,9 @@ STUDIES = ("friction", "collision", "errata")
 
 
 def study_files(name: str, out: Path | None, as_json: bool) -> None:
-    """Compute a study, print what the paper says beside what holds, and write its figures and tables."""
+    """Compute a study, print the paper's statements beside the correct values, and write its
+    figures and tables.
+    """
     if name not in STUDIES:
         raise InputError(Mistake("--study", "", repr(name), ", ".join(STUDIES), nearest(name, STUDIES)))
     found = study(name)

@@ -1,1 +1,1 @@
-"""What commands share on the terminal: tables, live view, files."""
+"""Terminal output shared by the commands: tables, live view, files."""

@@ -1,4 +1,4 @@
-"""Writing files that a user asked for: whole or not at all."""
+"""Write files that a user requested, whole or not at all."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,10 @@ from rig.errors import InputError, Mistake
 
 
 def write_new(path: Path, text: str, overwrite: bool) -> None:
-    """Write a text file, whole or not at all; InputError where it exists, unless it may be replaced."""
+    """Write a text file, whole or not at all.
+
+    Raises InputError where it exists, unless it may be replaced.
+    """
     if os.path.lexists(path) and not overwrite:
         raise InputError(Mistake(str(path), "", "a file that exists", "a new path, or --force to replace it"))
     try:

@@ -1,5 +1,8 @@
-"""The live view of a running campaign: a bar with time left, the levels of the channels with a lamp for overload, W of
-the latest cycles, and a table that fills as runs are analysed. 80 columns are enough."""
+"""The live view of a running campaign, in 80 columns.
+
+A bar with the time left, the levels of the channels with their overload flags, W of the latest
+cycles, and a table that fills as runs are analysed.
+"""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,15 +25,15 @@ if TYPE_CHECKING:
     from rig.campaign.one_run.recorder import Progress as Step
 
 LINES = 12
-"""Conditions shown at a time: those that changed last."""
+"""Number of conditions shown: the last that changed."""
 
 BAR = 24
-"""Characters of a level's bar: the whole range."""
+"""Length of a level's bar in characters; full at the end of the range."""
 
 
 @dataclass(frozen=True)
-class Line:
-    """What the view says of a condition (SI), and how many runs it has."""
+class ConditionLine:
+    """A condition's settings in the view (SI), and its number of runs."""
 
     bed: str
     fill: float | None
@@ -39,19 +42,21 @@ class Line:
     runs: int
 
 
-def lines_of(campaign: "Campaign") -> dict[str, Line]:
-    """The conditions of a campaign."""
+def lines_of(campaign: "Campaign") -> dict[str, ConditionLine]:
+    """Return the view's lines for the conditions of a campaign, by id."""
     repeats = campaign.protocol.repeats.n
     return {
-        c.id: Line(c.scene.bed, c.scene.grains.fill, c.scene.grains.diameter, c.drive.acceleration, repeats)
+        c.id: ConditionLine(c.scene.bed, c.scene.grains.fill, c.scene.grains.diameter, c.drive.acceleration, repeats)
         for c in campaign.conditions
     }
 
 
 class LiveView:
-    """Takes a campaign's progress; draws on a terminal, elsewhere says one line for every tenth of the runs."""
+    """Shows a campaign's progress: drawn on a terminal, elsewhere one line for every tenth of the
+    runs.
+    """
 
-    def __init__(self, lines: Mapping[str, Line], console: Console) -> None:
+    def __init__(self, lines: Mapping[str, ConditionLine], console: Console) -> None:
         self._console = console
         self._sums: dict[str, list[float]] = {}
         self._flags: dict[str, set[str]] = {}
@@ -62,6 +67,7 @@ class LiveView:
         )  # fmt: skip
         self._task = self._bar.add_task("runs", total=sum(line.runs for line in lines.values()), done=0)
         self._done = 0
+        # Fractions of the runs that are being recorded, by name.
         self._under_way: dict[str, float] = {}
         self._latest: LiveUpdate | None = None
         self._worst: dict[str, float] = {}
@@ -70,7 +76,7 @@ class LiveView:
 
     @property
     def looks(self) -> bool:
-        """Whether anybody sees single blocks."""
+        """Whether updates for single blocks are shown at all."""
         return self._console.is_terminal
 
     def look(self, look: "LiveUpdate") -> None:
@@ -83,11 +89,13 @@ class LiveView:
         self._advance()
 
     def _advance(self) -> None:
-        self._under_way = {name: share for name, share in self._under_way.items() if share < 1.0}
+        self._under_way = {name: done for name, done in self._under_way.items() if done < 1.0}
         self._bar.update(self._task, completed=self._done + sum(self._under_way.values()), done=self._done)
 
     def step(self, step: "Step") -> None:
-        """A run is done."""
+        """Show a finished run."""
+        # Popped and added again: the condition that changed last moves to the end, and the table
+        # shows the end.
         found = self._sums.pop(step.condition, [])
         self._sums[step.condition] = found if step.energy is None else [*found, step.energy.energy.W]
         flags = ("unusable",) if step.energy is None else step.energy.flags
@@ -114,7 +122,7 @@ class LiveView:
         return Group(self._bar, *self._levels(), table)
 
     def _levels(self) -> list[Text]:
-        """A line for every channel, and one for the run that has been heard of last."""
+        """Return one line per channel, and one for the run of the latest block."""
         look = self._latest
         if look is None:
             return []
@@ -134,7 +142,7 @@ class LiveView:
 
 
 def timing(view: LiveView) -> str:
-    """How late a paced campaign's blocks came, in a sentence; "" where none was waited for."""
+    """Return the lateness of a paced campaign's blocks as a sentence, "" where none was paced."""
     late = view.punctuality
     if not late.count:
         return ""
@@ -144,8 +152,8 @@ def timing(view: LiveView) -> str:
 
 
 @contextmanager
-def live_view(lines: Mapping[str, Line], console: Console) -> Iterator[LiveView]:
-    """A view that is drawn while the block runs."""
+def live_view(lines: Mapping[str, ConditionLine], console: Console) -> Iterator[LiveView]:
+    """Yield a view that is drawn while the block runs."""
     view = LiveView(lines, console)
     if console.is_terminal:
         with Live(view, console=console, refresh_per_second=4, transient=True):

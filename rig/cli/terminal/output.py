@@ -1,4 +1,4 @@
-"""What commands share: results on the terminal or as JSON, and the processors they may use."""
+"""Output shared by the commands: results on the terminal or as JSON, and the number of processors."""
 
 import os
 import sys
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
 
 def print_json(value: Any) -> None:
-    """JSON on standard output, nothing else; as much of it as is read."""
+    """Print JSON and nothing else to standard output; stop quietly where the reader closes it."""
     with suppress(BrokenPipeError):
         print(json_text(value))
 
 
 def say(sentence: str, to_stderr: bool = False) -> None:
-    """Print one line; what it quotes of a stranger's cannot begin another, or steer the terminal."""
+    """Print one line; text that it quotes cannot begin another line or steer the terminal."""
     print(visible(sentence), file=sys.stderr if to_stderr else sys.stdout)
 
 
 def say_compiling() -> None:
-    """Say on standard error what the wait is for; nobody may be there to hear it."""
+    """Print the reason of the wait to standard error, which may be closed."""
     with suppress(OSError, ValueError):
         print("compiling for this processor, once: half a minute to a minute", file=sys.stderr, flush=True)
 
@@ -38,5 +38,5 @@ def print_result(report: "Report", folder: Path) -> None:
 
 
 def cores() -> int:
-    """Processors that this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,4 +1,6 @@
-"""Progress of work that is counted: a bar with the time left on a terminal, elsewhere a line for every tenth."""
+"""Progress of counted work: a bar with the time left on a terminal, elsewhere one line for every
+tenth.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,12 +10,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rig.cli.terminal.tables import terminal
 
 Watch = Callable[[int, int], None]
-"""Called with how many are done, of how many."""
+"""Called with (number done, total)."""
 
 
 @contextmanager
 def progress(what: str, quiet: bool = False) -> Iterator[Watch]:
-    """What to call whenever one more is done; drawn on standard error."""
+    """Yield a function to call after each unit of work; progress is drawn on standard error."""
     console = terminal(stderr=True, quiet=quiet)
     if not console.is_terminal:
 

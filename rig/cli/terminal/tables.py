@@ -1,4 +1,6 @@
-"""Plain tables and numbers for the terminal; readable at 80 columns and without colour, never cut in a pipe."""
+"""Plain tables and numbers for the terminal: readable at 80 columns and without colour, never cut
+in a pipe.
+"""
 
 import os
 from collections.abc import Iterable, Sequence
@@ -14,31 +16,39 @@ if TYPE_CHECKING:
     from analysis.results.report import Report
 
 PIPE_WIDTH = 200
-"""Columns where nobody's window sets them: in a pipe or a log nothing is cut or wrapped."""
+"""Width where no window sets one: in a pipe or a log nothing is cut or wrapped."""
 
 PLAIN = str.maketrans({"±": "+-", "²": "2", "∞": "inf"})
-"""Signs that a terminal without UTF-8 lacks."""
+"""Replacements for characters that a terminal without UTF-8 lacks."""
 
 
 MOST_ROWS = 40
-"""Conditions that a terminal shows of a session; of more, the first and a line that says where the others are."""
+"""Conditions of a session shown on the terminal; where there are more, a line says where to find
+the others.
+"""
 
 
 class Terminal(Console):
-    """The console of all commands: every string that it prints, in sentences and in tables, is one line of text.
+    """The console of all commands: every string it prints, in sentences and in tables, is one line
+    of plain text.
 
-    What a foreign file holds is never markup, cannot steer the terminal and begins no line of its own.
+    Text from a foreign file is never markup, cannot steer the terminal and cannot begin a line of
+    its own.
     """
 
     def __init__(self, **options: Any) -> None:
         super().__init__(markup=False, emoji=False, **options)
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a string as rich's text; all strings pass here before they are measured or printed."""
+        """Return a string as rich's text; all strings pass through here before they are measured or
+        printed.
+        """
         return super().render_str(visible(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Print no more where the reader has seen enough (`rig info DIR | head`); the command itself goes on."""
+        """Stop printing where the reader closed the pipe (`rig info DIR | head`); the command
+        itself continues.
+        """
         self.quiet = True
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self.file.fileno())
@@ -46,13 +56,15 @@ class Terminal(Console):
 
 
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
-    """Return the console that results or progress are printed to."""
+    """Return the console for results (standard output) or progress (standard error)."""
     console = Terminal(stderr=stderr, quiet=quiet)
     return console if console.is_terminal else Terminal(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
 
 
 def millijoules(value: float | None, digits: int = 4) -> str:
-    """An energy in mJ to some digits, without an exponent where it is 0.01 mJ or more."""
+    """Return an energy in mJ to `digits` digits, without an exponent from 0.0001 mJ up; a dash for
+    None.
+    """
     if value is None:
         return "-"
     scaled = 1e3 * value
@@ -60,7 +72,7 @@ def millijoules(value: float | None, digits: int = 4) -> str:
 
 
 def number(value: Any, digits: int = 3) -> str:
-    """A number to some digits, a dash for nothing."""
+    """Return a number to `digits` digits, a dash for None."""
     if value is None:
         return "-"
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -69,17 +81,17 @@ def number(value: Any, digits: int = 3) -> str:
 
 
 def scaled(value: float | None, scale: float) -> str:
-    """A number in another unit, a dash for nothing."""
+    """Return a number in another unit, a dash for None."""
     return "-" if value is None else f"{scale * value:g}"
 
 
 def percent(value: float | None) -> str:
-    """A fraction as a signed percentage, a dash for nothing."""
+    """Return a fraction as a signed percentage, a dash for None."""
     return "-" if value is None else f"{100 * value:+.1f} %"
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[str] = ()) -> Table:
-    """A table with numbers on the right and the columns named in `left` on the left."""
+    """Return a table with the columns named in `left` aligned left, all others right."""
     found = Table(title=title, title_justify="left", box=None, pad_edge=False)
     for column in columns:
         found.add_column(column, justify="left" if column in left else "right")

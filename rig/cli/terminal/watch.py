@@ -1,6 +1,7 @@
-"""Files of others are read by a child process: a damaged one can make the HDF5 library crash or hang.
+"""Read files of strangers in a child process, because a damaged one can make the HDF5 library crash
+or hang.
 
-Measured on 4000 mutated sessions, a third of them with their checksums made right again: 3 crashes, 2 hangs
+Measured on 4000 mutated sessions, a third of them with corrected checksums: 3 crashes, 2 hangs
 (docs/decisions/0006-watched-reading.md).
 """
 
@@ -22,7 +23,7 @@ CRASHES = ("SIGSEGV", "SIGBUS", "SIGABRT", "SIGFPE", "SIGILL", "SIGSYS")
 
 
 def open_watched(path: Path) -> "Record":
-    """A session opened by a watched process: a call of the library that hangs ends it."""
+    """Return a session opened in a watched process: a library call that hangs ends the process."""
     from daq.session.record import open_session
 
     return open_session(path, PATIENCE)
@@ -31,8 +32,8 @@ def open_watched(path: Path) -> "Record":
 def go_on_watched(*files: Path) -> None:
     """Return in a child process; the parent waits for it and exits with its code.
 
-    Where the child dies of a crash or a hang, the parent says so and exits 2. Call it before libraries start threads.
-    Without fork (Windows) it returns in this process.
+    Where the child crashes or hangs, the parent prints that and exits 2. Must be called before
+    libraries start threads. Without fork (Windows) it returns in this process.
     """
     if not hasattr(os, "fork"):
         return
@@ -40,7 +41,8 @@ def go_on_watched(*files: Path) -> None:
     if not child:
         limit_memory(files)
         return
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal sends it to the child too
+    # the terminal sends it to the child as well, which handles it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: os.kill(child, signal.SIGTERM))
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if code < 0:
@@ -49,6 +51,7 @@ def go_on_watched(*files: Path) -> None:
 
 
 def _say(found: signal.Signals, files: str) -> int:
+    """Print why a signal ended the child, and return the exit code."""
     if found.name == "SIGALRM":
         text = f"{files}: damaged: the HDF5 library hung on it for {PATIENCE:g} s"
     elif found.name in CRASHES:

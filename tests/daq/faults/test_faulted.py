@@ -6,7 +6,7 @@ from daq_signals import Analytic, front_end, tone
 
 from daq.chain.acquisition import Emulated
 from daq.chain.block import Block, Flag
-from daq.faults.in_blocks import FULL, KINDS, Fault, Faulted
+from daq.faults.in_blocks import FULL, KINDS, BlockFault, Faulted
 
 START, STOP, N = 1000, 1600, 3000
 
@@ -16,7 +16,7 @@ def clean() -> Emulated:
 
 
 def block(kind: str, size: float = 0.0, stop: int = STOP, iepe: bool = False) -> Block:
-    fault = Fault(kind, 1, START, stop, size)
+    fault = BlockFault(kind, 1, START, stop, size)
     return Faulted(clean(), [fault], [np.random.default_rng(1)], (4.0, 4.0), (False, iepe)).read(N)
 
 
@@ -72,7 +72,7 @@ def test_what_is_pushed_to_the_rail_is_overload() -> None:
 
 
 def test_bits_stand_in_the_blocks_that_the_fault_touches() -> None:
-    fault = Fault("dropout", 0, 1000, 1100)
+    fault = BlockFault("dropout", 0, 1000, 1100)
     acquisition = Faulted(clean(), [fault], [np.random.default_rng(1)], (0.0, 0.0), (False, False))
     gaps = [bool(acquisition.read(500).flags[0] & Flag.GAP) for _ in range(6)]
     assert gaps == [False, False, True, False, False, False]

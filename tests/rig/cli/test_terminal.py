@@ -11,7 +11,7 @@ from rich.console import Console
 
 from rig.cli.app import app
 from rig.cli.terminal import progress as progress_module
-from rig.cli.terminal.live import Line, LiveView
+from rig.cli.terminal.live import ConditionLine, LiveView
 from rig.cli.terminal.progress import progress
 from rig.cli.terminal.tables import print_report, table
 
@@ -46,7 +46,7 @@ def lines_of(console: Console) -> Iterator[str]:
 
 def test_the_live_view_fits_and_needs_no_colour() -> None:
     console = on_terminal()
-    view = LiveView({f"c{n:03d}": Line("dashpot", 0.875, 0.0125, 9.75, 100) for n in range(40)}, console)
+    view = LiveView({f"c{n:03d}": ConditionLine("dashpot", 0.875, 0.0125, 9.75, 100) for n in range(40)}, console)
     view._sums = {f"c{n:03d}": [0.0123456] * 100 for n in range(40)}
     view._flags = {f"c{n:03d}": {"overload_hi", "over_peak"} for n in range(40)}
     console.print(view)
