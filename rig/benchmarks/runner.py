@@ -72,7 +72,7 @@ def jobs(quick: bool) -> tuple[Job, ...]:
 
 def measured(todo: Sequence[Job], quick: bool, watch: Callable[[Job, bool], None] = lambda *_: None) -> Iterator[Row]:
     """Rows of all jobs: the machine first, the claims last. `watch` is called before and behind (True) a job."""
-    from analysis import AnalysisError
+    from analysis.session.record import AnalysisError
     from daq.session.plan import SessionError
     from rig.errors import InputError
 

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis import Report, RunEnergy, read_session, write_report
+from analysis.pipeline import read_session
+from analysis.report.files import write_report
+from analysis.results.report import Report
+from analysis.results.run import RunEnergy
 from daq.chain.block import Block
 from daq.chain.clock import Pacer
 from daq.chain.replay import Replayed

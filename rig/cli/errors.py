@@ -70,7 +70,7 @@ def _known(error: Exception) -> int | None:
         return INTERRUPTED
     if isinstance(error, OSError):
         return INTERRUPTED if error.errno in {*FAULTS, errno.ENOMEM} else BAD_INPUT
-    from analysis import AnalysisError
+    from analysis.session.record import AnalysisError
     from daq.chain.clock import Overrun
     from daq.formats.wave import FormatError
     from daq.session.plan import SessionError, WriteError

@@ -12,7 +12,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from analysis import Report, read_session
+from analysis.pipeline import read_session
+from analysis.results.report import Report
 from daq.chain.acquisition import Emulated
 from daq.chain.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, ideal_transducer
 from daq.chain.fir import DELAY, STAGE1, STAGE2

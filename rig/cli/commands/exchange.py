@@ -81,7 +81,8 @@ def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool,
     """Write a session and its report; return the exit code 0 where the verdict passes, 1 where it
     does not.
     """
-    from analysis import read_session, write_report
+    from analysis.pipeline import read_session
+    from analysis.report.files import write_report
     from rig.importing.mapping import read_mapping
     from rig.importing.to_session import import_records
 
@@ -197,7 +198,8 @@ def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
     """Return the accelerance at the drive's harmonics, poles and delays corrected; empty for a run
     that cannot be analysed.
     """
-    from analysis import AnalysisError, run_energy
+    from analysis.pipeline import run_energy
+    from analysis.session.record import AnalysisError
 
     try:
         energy = run_energy(record, info.name).energy

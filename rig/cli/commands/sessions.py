@@ -28,7 +28,7 @@ def report_sessions(
     """Analyse sessions from their records alone and write the reports; return the exit code 0 where
     all verdicts pass.
     """
-    from analysis import write_report
+    from analysis.report.files import write_report
 
     if out is not None and len(sessions) > 1:
         raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
@@ -50,7 +50,7 @@ def report_sessions(
 
 
 def _read(record: Record, tolerate_gaps: bool) -> "Report":
-    from analysis import read_session
+    from analysis.pipeline import read_session
     from analysis.processes import energies_by_processes
 
     return read_session(record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps)
