@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
-from daq.documents.notes import Notes, bare, nearest
+from daq.documents.notes import Notes, bare
 
 GRAVITY = 9.80665
 """Standard gravity, m/s^2, exact by definition (3rd CGPM, 1901)."""
@@ -113,7 +113,7 @@ class Quantity:
             return str(value) if value is not None else None
         if isinstance(written, str):
             if self.words and written.isalpha():
-                raise notes.refuse(node, path, self, nearest(written, self.words))
+                raise notes.refuse(node, path, self, notes.near(written, self.words))
             try:
                 value = parse_quantity(written, self.dimension)
             except UnitError as error:

@@ -69,6 +69,12 @@ def nearest(word: str, choices: Iterable[str]) -> str:
     return f"did you mean {close[0]!r}?" if close else ""
 
 
+def new_name(word: str, choices: Iterable[str], renamed: Mapping[str, str]) -> str:
+    """The hint "renamed: write ..." for an old name, or a path with old names in it; "" for any other word."""
+    now = ".".join(renamed.get(part, part) for part in word.split("."))
+    return f"renamed: write {now!r}" if now != word and now in choices else ""
+
+
 def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
     """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the rest."""
     ordered = sorted(mistakes, key=_line)
@@ -142,12 +148,18 @@ class Unreadable(Exception):
 @dataclass
 class Notes:
     """What a reading leaves beside its result: the mistakes, the paths whose value failed, the place of each path.
-    `known` are all paths of the whole, so that a key in the wrong place can be sent to the right one."""
+    `known` are all paths of the whole, so that a key in the wrong place can be sent to the right one; `renamed` are the
+    new names of old ones."""
 
     mistakes: list[Mistake] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
     places: dict[str, str] = field(default_factory=dict)
     known: tuple[str, ...] = ()
+    renamed: Mapping[str, str] = field(default_factory=dict)
+
+    def near(self, word: str, choices: Iterable[str]) -> str:
+        """The hint for a word that is not among the choices: what it is called now, or the nearest of them."""
+        return new_name(word, choices, self.renamed) or nearest(word, choices)
 
     def reject(self, where: str, path: str, found: str, allowed: str, hint: str = "") -> Unreadable:
         """Note a mistake; the caller raises what this returns where it cannot go on."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
-from daq.documents.notes import Node, Notes, bare, describe, nearest, quote, where_of
+from daq.documents.notes import Node, Notes, bare, describe, quote, where_of
 
 __all__ = ["LARGEST", "Anything", "Null", "Number", "Schema", "Shape", "Text", "YesNo"]
 
@@ -131,7 +131,7 @@ class Text(_Scalar):
         if not self.holds(value):
             word = isinstance(value, str)
             found = quote(value) if word else describe(node)
-            raise notes.reject(where_of(node), path, found, str(self), nearest(value, self.words) if word else "")
+            raise notes.reject(where_of(node), path, found, str(self), notes.near(value, self.words) if word else "")
         return value
 
     def schema(self, _kinds: dict[str, Schema]) -> Schema:

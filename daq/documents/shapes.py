@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from typing import Any
 
-from daq.documents.notes import Node, Notes, Unreadable, bare, nearest, quote, where_of
+from daq.documents.notes import Node, Notes, Unreadable, bare, quote, where_of
 from daq.documents.scalars import LARGEST, Anything, Null, Number, Schema, Shape, Text, YesNo
 from daq.strange_text import visible
 
@@ -228,7 +228,7 @@ class Keys:
                     given[key] = value
             elif self.closed:
                 homes = (f"did you mean {home}?" for home in notes.known if home.rpartition(".")[2] == key)
-                hint = nearest(key, [*self.required, *self.optional]) or ("" if self.names else next(homes, ""))
+                hint = notes.near(key, [*self.required, *self.optional]) or ("" if self.names else next(homes, ""))
                 notes.reject(where_of(_key_of(node, key)), full, f"the key {quote(key)}", self.allowed_keys(), hint)
         return given
 
@@ -352,7 +352,7 @@ class Either:
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
         """The value; the mistakes are those of the shape that a mapping, or that anything but null, was meant for."""
-        first, second = Notes(known=notes.known), Notes(known=notes.known)
+        first, second = (Notes(known=notes.known, renamed=notes.renamed) for _ in range(2))
         value = _tried(self.first, node, path, first)
         found = first
         if first.mistakes:

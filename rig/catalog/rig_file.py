@@ -11,11 +11,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from daq.documents.notes import Node, Notes
+from daq.documents.notes import Node, Notes, new_name
 from daq.documents.shapes import Anything, Each, Either, Keys, Text, Then, one_of
 from rig.catalog.entries import CatalogValue, Exciter, Rig
 from rig.catalog.entries_by_name import HERE, entry_of, names
 from rig.catalog.stated_values import StatedNumber, stated_fields, write_stated
+from rig.documents.former_names import FORMER_NAMES, FORMER_RIGS
 from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.documents.yaml_writer import write_yaml
 from rig.errors import InputError, Mistake, nearest, quote
@@ -45,7 +46,7 @@ def rig_path(name: str | Path) -> Path:
     named_by_file = isinstance(name, Path) or is_path(name)
     path = Path(name) if named_by_file else HERE / "rigs" / f"{name}.yaml"
     if not (os.path.isfile(path) if named_by_file else name in rig_names()):
-        hint = nearest(str(name), rig_names())
+        hint = new_name(str(name), rig_names(), FORMER_RIGS) or nearest(str(name), rig_names())
         allowed = f"{', '.join(rig_names())}, or the path of a rig file (.yaml)"
         raise InputError(Mistake("", "rig", f"no rig {quote(str(name))}", allowed, hint))
     return path
@@ -58,7 +59,7 @@ def load_rig(name_or_path: str | Path = DEFAULT) -> Rig:
     Raises InputError with every mistake of the file.
     """
     path = rig_path(name_or_path)
-    notes = Notes()
+    notes = Notes(renamed=FORMER_NAMES)
     base = None if path == rig_path(DEFAULT) else load_rig(DEFAULT)
     root = read_yaml(read_file(path), str(path), notes.mistakes)
     return _rig(read_document(rig_shape(base), root, notes), base)

@@ -11,6 +11,7 @@ from daq.documents.grammar import keys_of, paths_of
 from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import List, Shape, Then, one_of
+from rig.documents.former_names import FORMER_NAMES
 from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.protocol.spec import Scene
 from rig.units import GRAVITY, Quantity
@@ -167,7 +168,7 @@ class LoadedMap:
 def read_mapping(path: Path) -> LoadedMap:
     """The mapping in a file. Raises InputError with every mistake in it."""
     text = read_file(path)
-    notes = Notes(known=tuple(paths_of(RecordMap)))
+    notes = Notes(known=tuple(paths_of(RecordMap)), renamed=FORMER_NAMES)
     root = _with_common(read_yaml(text, str(path), notes.mistakes))
     return LoadedMap(read_document(mapping_shape(), root, notes), text, path, notes.places)
 

@@ -15,6 +15,7 @@ from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Keys, Shape, Text, Then, one_of, plain
 from rig.catalog.entries_by_name import HERE
 from rig.catalog.rig_file import is_path, rig_path
+from rig.documents.former_names import FORMER_NAMES
 from rig.documents.yaml_reader import read_file, read_yaml
 from rig.documents.yaml_writer import write_yaml
 from rig.errors import InputError, Mistake, in_order, quote
@@ -64,7 +65,7 @@ def read_protocol(
         if isinstance(source, str) and not os.path.lexists(path) and "\0" not in source:
             raise _no_file(source)
         text, name = read_file(path), str(path)
-    notes = Notes(known=tuple(paths_of(Protocol)))
+    notes = Notes(known=tuple(paths_of(Protocol)), renamed=FORMER_NAMES)
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
     folder = path.parent if path is not None and rig is None else Path()
     return LoadedProtocol(_read(root, folder, notes), text, path)

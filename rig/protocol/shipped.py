@@ -3,7 +3,8 @@
 import os
 from pathlib import Path
 
-from rig.errors import nearest
+from daq.documents.notes import nearest, new_name
+from rig.documents.former_names import FORMER_PROTOCOLS
 
 _PACKAGE = Path(__file__).parents[1]
 
@@ -32,4 +33,4 @@ def protocol_path(source: str | Path) -> Path:
 def hint(name: str) -> str:
     """Return the hint for a file that is not there: the shipped protocol of this or the nearest name, or ""."""
     bare = name.replace("\\", "/").removeprefix("protocols/").removesuffix(".yaml").removesuffix(".yml")
-    return nearest(bare, names())
+    return new_name(bare, names(), FORMER_PROTOCOLS) or nearest(bare, names())
