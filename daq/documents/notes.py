@@ -9,20 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 __all__ = [
-    "MOST_MISTAKES",
-    "Mistake",
-    "Node",
-    "Notes",
-    "Scalar",
-    "Unreadable",
-    "bare",
-    "describe",
-    "in_order",
-    "nearest",
-    "node_of",
-    "quote",
-    "where_of",
-]
+    "MOST_MISTAKES", "Mistake", "Node", "Notes", "Scalar", "Unreadable", "bare", "describe",
+    "in_order", "nearest", "node_of", "quote", "where_of",
+]  # fmt: skip
 
 LONGEST_QUOTE = 60
 MOST_MISTAKES = 50

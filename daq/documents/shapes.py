@@ -18,25 +18,9 @@ from daq.documents.scalars import LARGEST, Anything, Null, Number, Schema, Shape
 from daq.strange_text import visible
 
 __all__ = [
-    "LARGEST",
-    "Anything",
-    "Choice",
-    "Each",
-    "Either",
-    "Keys",
-    "List",
-    "Null",
-    "Number",
-    "OneOf",
-    "Shape",
-    "Text",
-    "Then",
-    "YesNo",
-    "deviations",
-    "one_of",
-    "plain",
-    "some_of",
-]
+    "LARGEST", "Anything", "Choice", "Each", "Either", "Keys", "List", "Null", "Number", "OneOf",
+    "Shape", "Text", "Then", "YesNo", "deviations", "one_of", "plain", "some_of",
+]  # fmt: skip
 
 
 def deviations(value: Any, shape: Shape, path: str = "") -> Iterator[str]:
@@ -262,7 +246,7 @@ class Keys:
         """The schema itself, in the place of a reference to it."""
         null = self.null and self.kind is None
         found: Schema = {"type": ["object", "null"] if null else "object"}
-        found["properties"] = {name: self._default(name) | part.schema(kinds) for name, part in self.every().items()}
+        found["properties"] = {name: part.schema(kinds) | self._default(name) for name, part in self.every().items()}
         found |= {"required": list(self.required)} if self.required or not self.closed else {}
         patterns = {f"^{pattern}$": shape.schema(kinds) for pattern, shape in self.groups.items()}
         found |= {"patternProperties": patterns} if patterns else {}
@@ -270,13 +254,19 @@ class Keys:
         told = " ".join((self.kind.__doc__ or "").split()) if self.kind is not None else self.what
         return found | ({"description": told} if told else {})
 
-    def _default(self, name: str) -> Schema:
-        """The class's own default; a group's stand at its own fields."""
+    def default_of(self, name: str) -> Any:
+        """The class's own default as plain data, None for none; a group's stand at its own fields."""
         kind = self.kind if is_dataclass(self.kind) else None
         default = next((item.default for item in fields(kind) if item.name == name), MISSING) if kind else MISSING
         if default is MISSING or is_dataclass(default) or name in self.required:
-            return {}
-        return {"default": plain(self.every()[name], default)}
+            return None
+        shape = self.every()[name]
+        written = shape.says.get("default") if isinstance(shape, Then) else None
+        return plain(shape, default) if written is None else written
+
+    def _default(self, name: str) -> Schema:
+        default = self.default_of(name)
+        return {} if default is None else {"default": default}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -349,6 +339,9 @@ class Either:
 
     first: Shape
     second: Shape
+
+    def __str__(self) -> str:
+        return f"{self.first}, or {self.second}"
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
         """The value; the mistakes are those of the shape that a mapping, or that anything but null, was meant for."""

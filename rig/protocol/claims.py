@@ -69,7 +69,7 @@ def expect_shape() -> List:
         every = {key: shapes.get(key, value) for key in (*needed, "imposed", *keys)}
         required = {key: every.pop(key) for key in needed}
         kinds[kind] = Keys(required, every, closed=True, what=f"a claim of the kind {kind}")
-    return List(Then(OneOf(kinds, "claim"), _claim), what="mappings")
+    return List(Then(OneOf(kinds, "claim"), _claim), what="claims")
 
 
 def plain_expect(claim: Expect) -> dict[str, Any]:
