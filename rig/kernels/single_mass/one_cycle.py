@@ -130,8 +130,8 @@ def world(
     lines = lines[np.diff(lines[:, 0], append=np.inf) > 0.0]
     between = 0.5 * (lines[:-1, 0] + lines[1:, 0])
     push = -np.array([motion(phase, P, Q)[2] for phase in between])
-    upper, lower = (weight, weight) if band == 0.0 else (band, -band)
-    region = np.where(push > upper, -1, np.where(push < lower, 1, 0))
+    up, down = (weight, weight) if band == 0.0 else (band, -band)
+    region = np.where(push > up, -1, np.where(push < down, 1, 0))
     lines[:, 3] = np.append(region, region[-1])
     kept = np.append(np.append(True, region[1:] != region[:-1]), True)
     return World(weight, band, lower, upper, restitution, jerk), lines[kept]
