@@ -12,17 +12,18 @@ from analysis.results import compared, report
 from daq.documents.classes import shape_of
 from daq.documents.json_schema import json_schema
 
-__all__ = ["comparison_schema", "report_schema"]
+__all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
+REPORT, COMPARED = shape_of(report.Report), shape_of(compared.Comparison)
 
 
 def comparison_schema() -> Mapping[str, Any]:
     """The JSON Schema of comparison.json."""
     title = f"Two sessions compared, {compared.SCHEMA}"
-    return {"$schema": DRAFT, "title": title, **json_schema(shape_of(compared.Comparison))}
+    return {"$schema": DRAFT, "title": title, **json_schema(COMPARED)}
 
 
 def report_schema() -> Mapping[str, Any]:
     """The JSON Schema of report.json."""
-    return {"$schema": DRAFT, "title": f"Agreement report, {report.SCHEMA}", **json_schema(shape_of(report.Report))}
+    return {"$schema": DRAFT, "title": f"Agreement report, {report.SCHEMA}", **json_schema(REPORT)}
