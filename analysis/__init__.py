@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from analysis.energy.energies import Energy
     from analysis.energy.per_cycle import dissipated_energy
     from analysis.pipeline import read_session, run_energy
-    from analysis.report.files import write_report
+    from analysis.report.files import read_report, write_report
     from analysis.report.two_sessions import write_comparison
     from analysis.results.compared import Comparison
     from analysis.results.report import Report
@@ -35,6 +35,7 @@ __all__ = [
     "agreement",
     "compare",
     "dissipated_energy",
+    "read_report",
     "read_session",
     "run_energy",
     "write_comparison",
@@ -53,6 +54,7 @@ _HOME = {
     "agreement": "analysis.comparison.whole_session",
     "compare": "analysis.comparison.two_sessions",
     "dissipated_energy": "analysis.energy.per_cycle",
+    "read_report": "analysis.report.files",
     "read_session": "analysis.pipeline",
     "run_energy": "analysis.pipeline",
     "write_comparison": "analysis.report.two_sessions",

@@ -11,8 +11,8 @@ from analysis.comparison.loop_back import LoopBack, loop_back
 from analysis.comparison.offset_terms import actual_of
 from analysis.comparison.verdict import NOT_REACHED
 from analysis.comparison.whole_session import agreement
-from analysis.energy.energies import Energy
-from analysis.energy.gauge_position import AtBox, at_box
+from analysis.energy.energies import AtBox, Energy
+from analysis.energy.gauge_position import at_box
 from analysis.energy.per_cycle import Total, harmonics, window_energy
 from analysis.energy.sweep import sweep
 from analysis.results.coil_current import coil_of
@@ -20,7 +20,7 @@ from analysis.results.deliberate_errors import misread
 from analysis.results.report import LeftOutRun, Report, Resolved
 from analysis.results.run import Coil, RunEnergy
 from analysis.session.documents import document_as
-from analysis.session.exciter import Exciter
+from analysis.session.exciter import SessionExciter
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import EXACT
 from analysis.session.protocol import SessionProtocol, SessionRig
@@ -93,9 +93,9 @@ class Reader:
         return _channel(self._record, FORCE), _channel(self._record, ACCELERATION)
 
     @cached_property
-    def exciter(self) -> Exciter | None:
+    def exciter(self) -> SessionExciter | None:
         """The exciter; None where the session has none."""
-        return document_as(Exciter, "exciter", self._record.document("exciter"))
+        return document_as(SessionExciter, "exciter", self._record.document("exciter"))
 
     @cached_property
     def truth(self) -> Truth | None:
@@ -203,7 +203,7 @@ def _clip_ratio(record: Record, run: RunFacts) -> float:
 
 
 def _coil(
-    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: Exciter | None
+    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: SessionExciter | None
 ) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
     channel = record.channels.get(CURRENT)
@@ -221,7 +221,7 @@ def _coil(
     return coil_of(total, energy, channel, exciter, samples)
 
 
-def _at_box(setting: Setting, energy: Energy, exciter: Exciter | None) -> AtBox | None:
+def _at_box(setting: Setting, energy: Energy, exciter: SessionExciter | None) -> AtBox | None:
     """The run as it would be read on the box; None where the places or the stinger are not known."""
     if setting.gauge is None or setting.accelerometer is None or exciter is None:
         return None

@@ -1,4 +1,4 @@
-"""The same from Python: a protocol, a run, its report as a dict."""
+"""The same from Python: a protocol, a run, its report."""
 
 from pathlib import Path
 
@@ -13,6 +13,6 @@ repeats: 3
 """
 
 report = run(load_protocol(PROTOCOL), Path("sessions/two_fills"), overwrite=True)
-for row in report["conditions"]:
-    print(f"fill {row['fill']:.0%}: W_exp = {1e3 * row['W_exp']:.1f} +- {1e3 * row['U_W_exp']:.1f} mJ per cycle")
-print("verdict:", report["verdict"])
+for row in report.conditions:
+    print(f"fill {row.fill:.0%}: W_exp = {1e3 * row.W_exp:.1f} +- {1e3 * row.U_W_exp:.1f} mJ per cycle")
+print("verdict:", report.verdict)

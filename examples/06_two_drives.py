@@ -15,6 +15,6 @@ repeats: 2
 
 for mode in ("servo", "coupled"):
     report = run(load_protocol(PROTOCOL, sets=[f"drive.mode={mode}"]), Path("sessions") / mode, overwrite=True)
-    (row,) = report["conditions"]
-    distortion = f"THD of the acceleration {row['thd_acceleration']:.0%}"
-    print(f"{mode}: W_exp = {1e3 * row['W_exp']:.1f} mJ per cycle at {row['acceleration']:.2f} m/s^2, {distortion}")
+    (row,) = report.conditions
+    distortion = f"THD of the acceleration {row.thd_acceleration:.0%}"
+    print(f"{mode}: W_exp = {1e3 * row.W_exp:.1f} mJ per cycle at {row.acceleration:.2f} m/s^2, {distortion}")

@@ -17,7 +17,7 @@ with open_session(folder / "session.h5") as record:
     prediction = {"conditions": dict.fromkeys(record.conditions, mine)}
     report = agreement(energies, record.conditions, prediction, record.channels)
 
-for row in report["conditions"]:
-    print(f"{row['acceleration']:.2f} m/s^2: measured {1e3 * row['W_exp']:.0f}, mine {1e3 * row['W_T']:.0f} mJ")
-total = report["agreement"]
-print(f"measured over mine: {total['ratio']:.2f} +- {total['U_ratio']:.2f}")
+for row in report.conditions:
+    print(f"{row.acceleration:.2f} m/s^2: measured {1e3 * row.W_exp:.0f}, mine {1e3 * row.W_T:.0f} mJ")
+total = report.agreement
+print(f"measured over mine: {total.ratio:.2f} +- {total.U_ratio:.2f}")

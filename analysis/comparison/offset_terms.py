@@ -22,7 +22,8 @@ from analysis.results.run import RunEnergy
 from analysis.session.documents import truth_as
 from analysis.session.exciter import TrueClock, TrueInstruments, TrueState
 from analysis.session.ledger_columns import DISSIPATED, EXACT
-from analysis.session.prediction import Curve, PredictionEntry
+from analysis.session.prediction import Curve
+from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.record import ChannelFacts, Truth
 from analysis.uncertainty.budget import resolution_lines
 

@@ -37,7 +37,7 @@ from analysis.results.report import (
 from analysis.results.run import RunEnergy
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import CLOSURE
-from analysis.session.prediction import entries_of
+from analysis.session.prediction_entry import entries_of
 from analysis.session.protocol import ExpectedClaim, RigValue
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -71,10 +71,9 @@ def agreement(
 ) -> Report:
     """The report of a session.
 
-    runs: energies of its runs. conditions: documents of the session by id, in the order to report. prediction:
-    {"conditions": {id: {"acceleration": [m/s^2], "W_T": [J], ...}}} as the session's document (keys:
-    analysis.session.prediction.PredictionEntry), None for none: plain numbers, so that a laboratory's own can take its
-    place.
+    runs: energies of its runs. conditions: documents of the session by id, in the order to report. prediction: as the
+    session's document, {"conditions": {id: {"acceleration": [m/s^2], "W_T": [J], ...}}} with the keys of
+    `analysis.session.prediction_entry`, None for none: plain numbers, so that a laboratory's own can take its place.
     channels: channel table with "force" and "acceleration". assumed: values of the rig file. left_out: runs that could
     not be used. expect: claims to judge. actual: the instruments as they really are, for the terms of the offset
     (simulated sessions only). fidelity: how finely and how long each condition was simulated, where that was chosen and

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Energy"]
+__all__ = ["AtBox", "Energy"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -78,3 +78,15 @@ class Energy:
     def thd_acceleration(self) -> float:
         """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the fundamental's."""
         return float(np.linalg.norm(self.acceleration[1:])) / self.level if self.level else math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class AtBox:
+    """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and what is in it, without
+    the gauge's; level: fundamental of the box's acceleration, m/s^2; M_stiffness: kg, what a standard deviation of the
+    stinger's stiffness makes of M_eff, with its sign."""
+
+    W: float
+    M_eff: float
+    level: float
+    M_stiffness: float

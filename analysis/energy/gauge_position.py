@@ -9,32 +9,19 @@ and the apparent mass of a load M by 1/(1 - w^2 M/k). Values brought to the box 
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy.energies import Energy
-from analysis.session.exciter import Exciter
+from analysis.energy.energies import AtBox, Energy
+from analysis.session.exciter import SessionExciter
 
-__all__ = ["AtBox", "at_box"]
+__all__ = ["at_box"]
 
 Complex = NDArray[np.complex128]
 
 
-@dataclass(frozen=True, slots=True)
-class AtBox:
-    """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and what is in it, without
-    the gauge's; level: fundamental of the box's acceleration, m/s^2; M_stiffness: kg, what a standard deviation of the
-    stinger's stiffness makes of M_eff, with its sign."""
-
-    W: float
-    M_eff: float
-    level: float
-    M_stiffness: float
-
-
-def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter: Exciter) -> AtBox:
+def at_box(energy: Energy, gauge: str, accelerometer: str, mass: float, exciter: SessionExciter) -> AtBox:
     """A run compensated with what the laboratory knows: ends ("box" or "exciter") of force gauge and accelerometer, the
     gauge's mass (kg), and the stinger in the exciter's document. What does not repeat from cycle to cycle stays as
     read.

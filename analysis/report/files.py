@@ -1,5 +1,6 @@
 """The report in four forms, all from the same values: JSON, CSV, Markdown and one self-contained HTML page."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,7 +8,7 @@ if TYPE_CHECKING:
     from analysis.report.figures.drawing import Plot
     from analysis.results.report import Report
 
-__all__ = ["write_report"]
+__all__ = ["read_report", "write_report"]
 
 
 def write_report(report: "Report", out_dir: Path | str, figures: bool = True, png: bool = False) -> tuple[Path, ...]:
@@ -36,6 +37,22 @@ def write_report(report: "Report", out_dir: Path | str, figures: bool = True, pn
         "report.json": json_text(report.document()) + "\n",
     }
     return write_folder(Path(out_dir), files)
+
+
+def read_report(path: Path | str) -> "Report":
+    """Read a report.json back, or the one in a folder. OSError; AnalysisError where it is damaged, naming the place.
+
+    Keys that this version does not know are passed over.
+    """
+    from analysis.results.report import Report
+    from analysis.session.record import AnalysisError
+
+    file = Path(path) / "report.json" if Path(path).is_dir() else Path(path)
+    try:
+        document = json.loads(file.read_bytes())
+    except ValueError as error:
+        raise AnalysisError(f"{file} is no JSON: {error}") from error
+    return Report.of(document, str(file))
 
 
 def _png(plot: "Plot") -> bytes:

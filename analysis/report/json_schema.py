@@ -12,14 +12,16 @@ from analysis.results import compared, report
 from daq.documents.classes import shape_of
 from daq.documents.json_schema import document_schema
 
-__all__ = ["comparison_schema", "report_schema"]
+__all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
+
+REPORT, COMPARED = shape_of(report.Report), shape_of(compared.Comparison)
 
 
 def comparison_schema() -> Mapping[str, Any]:
     """The JSON Schema of comparison.json."""
-    return document_schema(shape_of(compared.Comparison), f"Two sessions compared, {compared.SCHEMA}")
+    return document_schema(COMPARED, f"Two sessions compared, {compared.SCHEMA}")
 
 
 def report_schema() -> Mapping[str, Any]:
     """The JSON Schema of report.json."""
-    return document_schema(shape_of(report.Report), f"Agreement report, {report.SCHEMA}")
+    return document_schema(REPORT, f"Agreement report, {report.SCHEMA}")

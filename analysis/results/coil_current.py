@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.energy.energies import Energy
 from analysis.results.run import Coil
-from analysis.session.exciter import Exciter
+from analysis.session.exciter import SessionExciter
 from analysis.session.record import ChannelFacts
 from analysis.uncertainty.budget import CERTIFICATE_NU, combine, scatter_line, stretch_of
 from analysis.uncertainty.budget_line import Line
@@ -32,7 +32,7 @@ PARTS = (
 STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
 
 
-def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: Exciter) -> Complex:
+def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: SessionExciter) -> Complex:
     """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration (m/s^2).
 
     Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F:
@@ -53,14 +53,14 @@ def coil_force(current: Complex, acceleration: Complex, frequency: float, excite
     return np.asarray((thrust - carried * acceleration / jw**2) / (1 + carried / stinger))
 
 
-def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Exciter, samples: int) -> Coil:
+def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: SessionExciter, samples: int) -> Coil:
     """W_coil of a run from its current phasors (A) and its energies; exciter: the session's document, certified values
     and their U. samples: in the window."""
     orders = min(current.size, int(exciter.band / energy.frequency))
     i, A = current[:orders], energy.acceleration[:orders]
     frequency = energy.frequency
 
-    def W(known: Exciter, scale: float = 1.0) -> float:
+    def W(known: SessionExciter, scale: float = 1.0) -> float:
         return _work(coil_force(scale * i, A, frequency, known), A, frequency)
 
     def slope(changed: Callable[[float], float]) -> float:
@@ -85,7 +85,7 @@ def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Ex
     return Coil(W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples))
 
 
-def _scaled(exciter: Exciter, part: str, factor: float) -> Exciter:
+def _scaled(exciter: SessionExciter, part: str, factor: float) -> SessionExciter:
     """The exciter with one part of it changed."""
     changed: dict[str, float] = {part: getattr(exciter, part) * factor}
     return replace(exciter, **changed)

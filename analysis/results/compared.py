@@ -120,10 +120,10 @@ class Comparison:
         return to_document(self)
 
     @classmethod
-    def of(cls, document: Mapping[str, Any], name: str = "comparison") -> "Comparison":
+    def of(cls, document: Mapping[str, Any], name: str = "comparison.json") -> "Comparison":
         """Return the comparison that a comparison.json holds. AnalysisError with the first key that is missing or
         wrong."""
         try:
-            return from_document(cls, document, name)
+            return from_document(cls, document)
         except DocumentError as error:
-            raise AnalysisError(str(error)) from error
+            raise AnalysisError(f"{name}: {error}") from error

@@ -10,7 +10,8 @@ from analysis.results.coil_current import coil_estimates
 from analysis.results.predicted_on_record import Recorded, on_recorded
 from analysis.results.run import RunEnergy
 from analysis.session.ledger_columns import DISSIPATED, STINGER
-from analysis.session.prediction import Predicted, Prediction, PredictionEntry, middle
+from analysis.session.prediction import Predicted, middle
+from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
 from analysis.signals.correction import net_of_mass
@@ -147,7 +148,7 @@ def _predicted(
     the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
     if entry is None:
         return Predicted(), [], ()
-    prediction = Prediction.of(entry)
+    prediction = entry.curves()
     levels = [run.energy.level for run in runs]
     if not all(prediction.total.reaches(a) for a in levels):
         return Predicted(), [], ()

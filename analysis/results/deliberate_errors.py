@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 
 from analysis.energy.energies import Energy
 from analysis.results.condition import Result
+from analysis.results.mistake_rows import MistakeReport, MistakeRow
 from analysis.session.ledger_columns import DISSIPATED
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import DeliberateMistake
 from analysis.signals.correction import pole_phase
 from analysis.signals.integration import integral
 
-__all__ = ["MistakeReport", "MistakeRow", "deliberate", "misread"]
+__all__ = ["deliberate", "misread"]
 
 Array = NDArray[np.float64]
 
@@ -85,33 +86,6 @@ WORDS: Mapping[str, Words] = {
         "no angle: the locked bed's W, which grows as a and with the mass carried, not as a^2",
     ),
 }  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class MistakeRow:
-    """How wrong a condition came out. W_exp, W_true (the ledger's, over the same cycles; the bed's alone where friction
-    was taken for damping): J per cycle; error = W_exp/W_true - 1; predicted by the rule, from W_true, the apparent mass
-    and the level; ratio of both. None where the record holds no truth or nothing was dissipated."""
-
-    id: str
-    W_exp: float
-    W_true: float | None
-    eta: float | None
-    error: float | None
-    predicted: float | None
-    ratio: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class MistakeReport:
-    """The report's `mistake`: what was done wrong on purpose, and how wrong it made each condition."""
-
-    kind: str
-    parameter: float
-    what: str
-    rule: str
-    notice: str
-    conditions: tuple[MistakeRow, ...]
 
 
 def misread(energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array) -> Energy:

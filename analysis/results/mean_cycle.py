@@ -2,46 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.results.condition import Result
-from daq.documents.classes import LEFT_OUT, AtLeast
-from daq.documents.shapes import Number
+from analysis.results.waveform_rows import RunCycles, Waveforms
 
-__all__ = ["HARMONICS", "RunCycles", "Waveforms", "waveforms"]
+__all__ = ["HARMONICS", "waveforms"]
 
 HARMONICS = 100  # of a cycle that are kept; enough for the steps of impacts at the size of a page
 DIGITS = 7
 MOST = 1000  # values of W that a run has in the report
-
-
-@dataclass(frozen=True, slots=True)
-class RunCycles:
-    """W of each cycle of a run, J."""
-
-    run: str
-    W_cycles: Annotated[tuple[float, ...], AtLeast(1)]
-
-
-@dataclass(frozen=True, slots=True)
-class Waveforms:
-    """Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of a condition's first run's mean
-    cycle, and W of each cycle of all its runs; of long ones means over `cycles_each` cycles, the last of what is
-    left."""
-
-    condition: str
-    run: str
-    frequency: float
-    force: tuple[tuple[float, float], ...]
-    acceleration: tuple[tuple[float, float], ...]
-    thd_force: float | None
-    thd_acceleration: float | None
-    runs: tuple[RunCycles, ...]
-    cycles_each: Annotated[int, Number(1, whole=True), LEFT_OUT] = 1
 
 
 def waveforms(results: Sequence[Result]) -> Waveforms | None:

@@ -9,9 +9,9 @@ from analysis.energy.sweep import SweepCurve
 from analysis.results.agreement_row import AgreementRow, ComparisonRow
 from analysis.results.cause_row import CauseRow
 from analysis.results.condition_row import ConditionRow
-from analysis.results.deliberate_errors import MistakeReport
 from analysis.results.judged_rows import ClaimRow, NullRow, ReferenceRow
-from analysis.results.mean_cycle import Waveforms
+from analysis.results.mistake_rows import MistakeReport
+from analysis.results.waveform_rows import Waveforms
 from analysis.session.fidelity import Fidelity
 from analysis.session.protocol import RigValue
 from analysis.session.record import AnalysisError
@@ -134,9 +134,9 @@ class Report:
         return to_document(self)
 
     @classmethod
-    def of(cls, document: Mapping[str, Any], name: str = "report") -> "Report":
+    def of(cls, document: Mapping[str, Any], name: str = "report.json") -> "Report":
         """Return the report that a report.json holds. AnalysisError with the first key that is missing or wrong."""
         try:
-            return from_document(cls, document, name)
+            return from_document(cls, document)
         except DocumentError as error:
-            raise AnalysisError(str(error)) from error
+            raise AnalysisError(f"{name}: {error}") from error

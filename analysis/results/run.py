@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from analysis.energy.energies import Energy
-from analysis.energy.gauge_position import AtBox
+from analysis.energy.energies import AtBox, Energy
 from analysis.uncertainty.budget_line import Line
 
 __all__ = ["Coil", "RunEnergy"]

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from analysis.session.exciter import Exciter, TrueClock, TrueInstruments
+from analysis.session.exciter import SessionExciter, TrueClock, TrueInstruments
 from analysis.session.fidelity import Fidelity
-from analysis.session.prediction import PREDICTION
+from analysis.session.prediction_entry import PREDICTION
 from analysis.session.protocol import ExpectedClaim, SessionProtocol, SessionRig
 from analysis.session.record import AnalysisError, Truth
 from analysis.session.setting import CONDITION
@@ -35,7 +35,7 @@ DOCUMENTS: Mapping[str, Shape] = {
     "prediction": PREDICTION,
     "protocol": shape_of(SessionProtocol),
     "rig": shape_of(SessionRig),
-    "exciter": shape_of(Exciter),
+    "exciter": shape_of(SessionExciter),
     "fidelity": shape_of(Fidelity),
     "provenance": Keys({}),
 }

@@ -5,14 +5,14 @@ from typing import Annotated
 
 from daq.documents.shapes import Number
 
-__all__ = ["Exciter", "TrueClock", "TrueInstruments", "TrueState"]
+__all__ = ["SessionExciter", "TrueClock", "TrueInstruments", "TrueState"]
 
 Thing = Annotated[float, Number(1e-9, 1e12)]
 Part = Annotated[float, Number(0.0, 1e9)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Exciter:
+class SessionExciter:
     """The document `exciter`, SI, certified values; force_constant_U, parts_U: their expanded uncertainties (k = 2),
     relative; band: Hz, up to which the coil's current tells the force."""
 

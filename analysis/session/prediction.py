@@ -2,15 +2,10 @@
 
 import math
 import statistics
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from analysis.session.record import AnalysisError
-from daq.documents.classes import built, shape_of
-from daq.documents.shapes import Each, Keys, List, Number, deviations
-
-__all__ = ["BEYOND", "PREDICTION", "Curve", "Predicted", "Prediction", "PredictionEntry", "entries_of"]
+__all__ = ["BEYOND", "Curve", "Given", "Predicted", "Prediction", "middle"]
 
 CLOSE = 0.01
 """How far from an acceleration, relative, all points tell of the slope there: as far as the measured one may be off."""
@@ -86,50 +81,8 @@ class Curve:
         return apart <= CLOSE or (apart <= NEAR and abs(place - near) <= EITHER_SIDE)
 
 
-Energies = Annotated[tuple[float, ...], List(Number(), least=1)]
-Relative = Annotated[float | None, Number(0.0, 1e3)]
-Ratios = Annotated[tuple[float, ...], List(Number(0.0, 1e6))]
 Given = float | tuple[float, ...] | None
 """A number given once, or one beside each acceleration."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PredictionEntry:
-    """An entry of the session's document `prediction`: W_T, and W_f and W_c where they are known, at accelerations.
-
-    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels, u_settling of what a
-    record holds beside the steady state that is predicted. model: W_T over its nominal value, for draws of the model's
-    parameters; refills: the same for beds poured anew.
-    """
-
-    acceleration: Annotated[tuple[float, ...], List(Number(0.0, above=True), least=1)]
-    W_T: Energies
-    W_f: Energies = ()
-    W_c: Energies = ()
-    model: Ratios = ()
-    refills: Ratios = ()
-    u_rel: Relative = None
-    u_levels: Relative = None
-    u_settling: Relative = None
-    W_T_paper: Given = None
-    bound: Given = None
-    period: Given = None
-    periodic_share: Given = None
-
-
-PREDICTION = Keys({
-    "conditions": Each(replace(shape_of(PredictionEntry), as_long=("acceleration", "W_T", "W_f", "W_c")))
-})  # fmt: skip
-"""The session's document."""
-
-
-def entries_of(document: Mapping[str, Any] | None) -> dict[str, PredictionEntry]:
-    """The entries of a prediction by condition. AnalysisError with the first deviation."""
-    if not document:
-        return {}
-    for sentence in deviations(document, PREDICTION, "prediction"):
-        raise AnalysisError(f"the session's document {sentence}")
-    return {name: built(PredictionEntry, entry) for name, entry in document["conditions"].items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,20 +110,6 @@ class Prediction:
     u_rel: float
     u_levels: float
     u_settling: float
-
-    @classmethod
-    def of(cls, entry: PredictionEntry) -> "Prediction":
-        """A prediction from its entry."""
-        a = entry.acceleration
-        absent = [0.0] * len(a)
-        return cls(
-            total=Curve.of(a, entry.W_T),
-            friction=Curve.of(a, entry.W_f or absent),
-            collision=Curve.of(a, entry.W_c or absent),
-            u_rel=float(entry.u_rel or 0.0),
-            u_levels=float(entry.u_levels or 0.0),
-            u_settling=float(entry.u_settling or 0.0),
-        )
 
 
 def middle(value: Given, accelerations: Sequence[float]) -> float | None:

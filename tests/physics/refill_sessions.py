@@ -9,8 +9,10 @@ import numpy as np
 from analysis.energy.energies import Energy
 from analysis.results.condition import Result, evaluate
 from analysis.results.run import RunEnergy
+from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.setting import Setting
 from daq.chain.channel import AnalyzerSpec, Channel, ChannelInfo, channel_info, ideal_transducer
+from daq.documents.classes import built
 from rig.beds.janssen_stack import refill
 from rig.catalog.rig_file import load_rig
 from rig.prediction.document import condition_facts
@@ -77,7 +79,7 @@ class Bank:
         levels = [setting.acceleration_set * k for k in (0.97, 1.0, 1.03)]
         entry = {"acceleration": levels, "W_T": [(x / setting.acceleration_set) ** EXPONENT for x in levels]}
         refills = {"refills": list(self.refills[a][f])} if is_told else {}
-        return evaluate(setting, runs, {**entry, **refills}, self.channels)
+        return evaluate(setting, runs, built(PredictionEntry, {**entry, **refills}), self.channels)
 
     def session(self, rng: np.random.Generator, n: int, is_told: bool = True) -> list[list[Result]]:
         """A session in which all fills are alike in the mean of ln W, [level][fill]."""

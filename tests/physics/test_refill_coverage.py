@@ -53,12 +53,12 @@ def test_the_report_says_what_a_large_skew_leaves():
     source = Bank.of(("90 %",), (2, 5), 4)
     rng = np.random.default_rng(1)
     even, skewed = (refills_row(source.condition(a, 0, rng, 4)) for a in (0, 1))
-    assert even["refill_coverage"] is None
-    assert even["refills_needed"] is None
-    assert abs(even["refill_skew"]) < SKEWED < abs(skewed["refill_skew"])
-    assert -0.06 < skewed["refill_mean"] < -0.02  # 3 % less than the nominal bed
-    assert 0.85 < skewed["refill_coverage"] < 0.96
-    assert skewed["refills_needed"] in (4, *TRIED)
+    assert even.refill_coverage is None
+    assert even.refills_needed is None
+    assert abs(even.refill_skew) < SKEWED < abs(skewed.refill_skew)
+    assert -0.06 < skewed.refill_mean < -0.02  # 3 % less than the nominal bed
+    assert 0.85 < skewed.refill_coverage < 0.96
+    assert skewed.refills_needed in (4, *TRIED)
 
 
 @pytest.mark.slow

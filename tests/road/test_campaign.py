@@ -39,7 +39,7 @@ def report_of(folder: Path) -> dict[str, Any]:
 
 def test_ideal_components_give_the_ledgers_energy(tmp_path: Path) -> None:
     """W_exp = losses + dKE_bed over the same window to 0.02 %, run by run; null angle below 1e-5 rad."""
-    report = run(campaign(IDEAL), tmp_path, workers=2)
+    report = run(campaign(IDEAL), tmp_path, workers=2).document()
     with open_session(tmp_path / "session.h5") as record:
         truth = record.truth
         assert truth is not None
@@ -109,7 +109,7 @@ def test_without_truth_no_measured_number_changes(nominal: Path, tmp_path: Path)
             if name.startswith("run_"):
                 del file[name]["truth"]
     with open_session(stripped) as record:
-        found = read_session(record)
+        found = read_session(record).document()
     for one, other in zip(report_of(nominal)["conditions"], found["conditions"], strict=True):
         for key in ("W_exp", "W_phasor"):
             assert [run[key] for run in one["runs"]] == [run[key] for run in other["runs"]]
@@ -143,7 +143,7 @@ def test_reading_the_session_again_gives_the_same_report(nominal: Path, tmp_path
 
 
 def test_another_seed_scatters_differently_about_the_same_means(nominal: Path, tmp_path: Path) -> None:
-    other = run(campaign(seed=8), tmp_path, workers=2)
+    other = run(campaign(seed=8), tmp_path, workers=2).document()
     for one, two in zip(report_of(nominal)["conditions"], other["conditions"], strict=True):
         assert one["runs"][0]["W_exp"] != two["runs"][0]["W_exp"]
         # k = 3 on the difference of two results, each with its own standard uncertainty u = U/k; the levels differ by

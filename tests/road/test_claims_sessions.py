@@ -73,7 +73,7 @@ def offset(found: Sequence[Read]) -> Limits:
     """From W over W_T at the levels reached, less 1 (refills and the box's losses), to far away, and the other way."""
     ratios = []
     for session in found:
-        rows = read_session(session.record, session.energies)["conditions"]
+        rows = read_session(session.record, session.energies).document()["conditions"]
         W_T = np.array([row["W_T"] for row in rows])
         apart = [sum(row["offset_terms"][name] for name in OUTSIDE_THE_INSTRUMENTS) for row in rows]
         ratios.append(float(W_T @ apart / W_T.sum()))
@@ -147,7 +147,7 @@ def verdicts(case: Case, count: int) -> dict[str, Counter[str]]:
     counts: dict[str, Counter[str]] = {claim: Counter() for claim in case.claims}
     for session in found:
         session.record.documents["protocol"] = {"expect": entries}
-        judged = read_session(session.record, session.energies)["claims"]
+        judged = read_session(session.record, session.energies).document()["claims"]
         for claim, entry in zip(case.claims, judged, strict=True):
             counts[claim][entry["verdict"]] += 1
     return counts

@@ -110,7 +110,7 @@ def test_a_dashpot_takes_its_closed_form(few: Path) -> None:
 
 def test_the_report_comes_from_the_record_alone(few: Path) -> None:
     with open_session(few / "session.h5") as record:
-        assert json.dumps(read_session(record)) == json.dumps(report_of(few))
+        assert json.dumps(read_session(record).document()) == json.dumps(report_of(few))
 
 
 def test_an_interrupted_session_goes_on_to_the_same_bytes(tmp_path: Path, few: Path) -> None:
@@ -136,7 +136,7 @@ def test_a_level_beyond_the_exciter_names_the_limit(tmp_path: Path, limit: str) 
     sets, names = LIMITS[limit]
     bed, level = next(s for s in sets if "bed" in s), next(s for s in sets if "acc" in s)
     found = campaign(*sets, vary=(f"scene.bed=[{bed.split('=')[1]}]", f"drive.acceleration=[{level.split('=')[1]}]"))
-    report = run(found, tmp_path, workers=1)
+    report = run(found, tmp_path, workers=1).document()
     assert report["verdict"] == "fails"
     flags = report["conditions"][0]["runs"][0]["flags"]
     assert {flag.removeprefix("level_not_reached_") for flag in flags} & names
@@ -151,7 +151,7 @@ def test_looking_ahead_is_at_the_first_runs_own_bed(tmp_path: Path) -> None:
     and what it takes to a tenth. The nominal bed, all of whose layers are alike, takes 16 % less here."""
     found = campaign(*IDEAL, "repeats={n: 1, refill: true}", vary=("scene.bed=[layers]", "drive.acceleration=[5]"))
     ahead = outlook(found, found.conditions[0])
-    report = run(found, tmp_path, workers=1)
+    report = run(found, tmp_path, workers=1).document()
     with open_session(tmp_path / "session.h5") as record:
         info = record.runs[0]
         signals = {name: record.signal(info.name, name, 0, info.samples).samples for name in ("force", "acceleration")}
@@ -169,7 +169,7 @@ def test_open_loop_holds_the_command_and_predicts_no_sine(tmp_path: Path) -> Non
         "acquire.settle=30",
         vary=("scene.bed=[empty, layers]", "drive.acceleration=[1]"),
     )
-    report = run(found, tmp_path, workers=1)
+    report = run(found, tmp_path, workers=1).document()
     for condition in report["conditions"]:
         assert condition["W_T"] is None
         assert condition["W_T_recorded"] is not None

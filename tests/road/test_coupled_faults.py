@@ -31,7 +31,7 @@ faults:
 
 def runs(text: str, out: Path, *sets: str, vary: tuple[str, ...] = ()) -> dict[tuple[Any, ...], dict[str, Any]]:
     protocol = load_protocol(text, sets, vary)
-    found = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=1)
+    found = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=1).document()
     return {(c["fill"], c["acceleration_set"], r["repeat"]): r for c in found["conditions"] for r in c["runs"]}
 
 

@@ -45,7 +45,7 @@ def campaign(*sets: str) -> Campaign:
 
 def test_a_slug_in_a_heavy_box_takes_what_it_takes_on_a_sine(tmp_path: Path) -> None:
     """Slug over box is 0.4 %: as much the levels of its landings give way, and W goes with their square or cube."""
-    report = run(campaign(), tmp_path, workers=1)
+    report = run(campaign(), tmp_path, workers=1).document()
     assert report["ledger"]["closure_max"] < 1e-6
     assert len(report["conditions"]) == 3
     for condition in report["conditions"]:

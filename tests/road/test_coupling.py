@@ -26,7 +26,7 @@ seed: 7
 
 def report(out: Path, *sets: str) -> dict:
     protocol = load_protocol(TEXT, sets)
-    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out)
+    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out).document()
 
 
 def test_certified_corners_are_undone(tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ class Seen:
 
 def seen(record: Any) -> Seen:
     energies = {run.name: run_energy(record, run) for run in record.runs}
-    report = read_session(record, energies)
+    report = read_session(record, energies).document()
     rows = report["conditions"]
     # a clip of a handful of the 2048 samples that count is told, and leaves W within its U
     assert all(flag["flag"].startswith("over_") or flag["flag"] == "sensor_clip" for flag in report["flags"])

@@ -265,7 +265,7 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
     from rig.prediction.model import predict
 
     with open_session(tmp_path / "s.h5") as record:
-        row = read_session(record)["conditions"][0]
+        row = read_session(record).document()["conditions"][0]
     sets = ("scene.grains.diameter=4 mm", "scene.grains.fill=0.85", f"drive.acceleration={row['acceleration']}",
             f"drive.frequency={row['frequency']}")  # fmt: skip
     condition = conditions(load_protocol("schema: rig/protocol/1\nname: x\n", sets=sets))[0]

@@ -39,7 +39,7 @@ def campaign(*sets: str) -> Campaign:
 
 def test_the_coil_tells_the_same_energy_without_errors_of_instruments(tmp_path: Path) -> None:
     """Within the arithmetic that every comparison is granted: 1e-4 of W and 5e-6 rad of the reactive energy."""
-    report = run(campaign(*FOUR, *IDEAL, "repeats=1"), tmp_path, workers=2)
+    report = run(campaign(*FOUR, *IDEAL, "repeats=1"), tmp_path, workers=2).document()
     with open_session(tmp_path / "session.h5") as record:
         assert list(record.channels) == ["force", "acceleration", "current", "voltage"]
         assert record.channels["current"].unit == "A"
@@ -52,18 +52,18 @@ def test_the_coil_tells_the_same_energy_without_errors_of_instruments(tmp_path: 
 
 def test_nominal_instruments_state_how_far_the_estimates_may_part(tmp_path: Path) -> None:
     """Outside in at most one condition of nine, 5 % of each being allowed and most errors shared."""
-    report = run(campaign(*FOUR), tmp_path, workers=2)
+    report = run(campaign(*FOUR), tmp_path, workers=2).document()
     found = [condition["E_n_coil"] for condition in report["conditions"]]
     assert sum(abs(E_n) > 1 for E_n in found) <= 1
     assert all(c["U_W_coil"] > 0 for c in report["conditions"])
     assert [row["channel"] for row in report["instruments"]] == ["force", "acceleration", "current", "voltage"]
     assert "Energy from the coil's current" in (tmp_path / "report.md").read_text()
     with open_session(tmp_path / "session.h5") as record:
-        assert json.dumps(read_session(record)) == json.dumps(report)
+        assert json.dumps(read_session(record).document()) == json.dumps(report)
 
 
 def test_without_the_channel_nothing_is_said(tmp_path: Path) -> None:
-    report = run(campaign("repeats=1", "scene.bed=empty", "drive.acceleration=3"), tmp_path, workers=1)
+    report = run(campaign("repeats=1", "scene.bed=empty", "drive.acceleration=3"), tmp_path, workers=1).document()
     assert all(c["W_coil"] is None and c["runs"][0]["W_coil"] is None for c in report["conditions"])
     assert "coil's current" not in (tmp_path / "report.md").read_text()
 

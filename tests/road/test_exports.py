@@ -137,7 +137,7 @@ def imported(file: Path, mapping: str, out: Path) -> dict:
     map_file.write_text("schema: rig/map/1\nname: again\n" + mapping)
     import_records([file], read_mapping(map_file), out)
     with open_session(out) as record:
-        return read_session(record)
+        return read_session(record).document()
 
 
 NAMES = {"csv": ("force [N]", "acceleration [m/s^2]"), "uff58": ("force", "acceleration"),

@@ -29,7 +29,7 @@ seed: 7
 
 def report(out: Path, fault: str, *sets: str) -> dict[str, Any]:
     protocol = load_protocol(TEXT, [f"faults=[{{kind: {fault}, repeat: 2}}]", *sets])
-    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out, workers=1)
+    return run(campaign_of(protocol, load_rig(protocol.rig), TEXT), out, workers=1).document()
 
 
 def runs(found: dict[str, Any]) -> dict[tuple[str, int], dict[str, Any]]:
@@ -145,7 +145,7 @@ def test_a_gap_is_tolerated_where_asked_and_nothing_is_joined_over_it(tmp_path: 
             assert found.ledger is not None
             lost = sum(found.ledger[name] for name in ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "dKE_bed"))
             assert abs(found.energy.W - lost) < 0.05 * lost
-        assert len(read_session(record)["left_out"]) == 2
-        again = read_session(record, tolerate_gaps=True)
+        assert len(read_session(record).document()["left_out"]) == 2
+        again = read_session(record, tolerate_gaps=True).document()
     assert again["left_out"] == []
     assert again["verdict"] == "fails"  # the gap stays told

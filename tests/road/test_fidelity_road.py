@@ -4,14 +4,15 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from small_protocol import IDEAL, Rig
 
-from analysis import write_report
+from analysis import Report, write_report
 from analysis.report.tables.fidelity import fidelity_sentences
+from analysis.session.fidelity import CycleCounts, Fidelity
 from daq.session.record import open_session
 from daq.session.writer import Recorder
 from rig.beds.janssen_stack import nominal, stack
@@ -71,7 +72,7 @@ def test_measured_and_predicted_energy_are_within_the_tolerance(tolerance: float
     W_exp may be off by 2e-4 more (arithmetic of the analysis: test_campaign), and what it is compared with is averaged.
     """
     made = campaign(f"tolerance={tolerance}", *IDEAL)
-    report = run(made, tmp_path, workers=1)
+    report = run(made, tmp_path, workers=1).document()
     for c, true in zip(report["conditions"], resolved_energies(made), strict=True):
         assert c["W_exp"] == pytest.approx(true, rel=tolerance + 2e-4)
         assert c["W_T"] == pytest.approx(true, rel=tolerance + 2e-4)
@@ -105,7 +106,7 @@ def test_the_mean_over_poured_runs_is_within_the_tolerance(
     errors = []
     for seed in seeds:
         made = campaign(MIXED, "repeats={n: 4, refill: true}", f"seed={seed}", f"tolerance={tolerance}", *IDEAL)
-        report = run(made, tmp_path / str(seed), workers=1)
+        report = run(made, tmp_path / str(seed), workers=1).document()
         for condition, found in zip(made.conditions, report["conditions"], strict=True):
             scene, level = side_by_side(condition.scene), condition.drive.acceleration
             beds = (filling_of(made, one, scene) for one in made.runs if one.condition.id == condition.id)
@@ -144,29 +145,29 @@ def test_a_slug_is_within_the_tolerance_in_the_waveforms_of_its_runs(tmp_path: P
     """Against the same runs settled for 300 cycles and recorded for 1000. On an exact sine 8 cycles would do for the
     third, whose runs, 0.3 % off, take up to 80 % less then."""
     made = campaign(text=BOUNCE)
-    found = run(made, tmp_path / "auto", workers=1)
+    found = run(made, tmp_path / "auto", workers=1).document()
     sets = ("fidelity=as_written", "tolerance=null", "acquire.settle=300", "acquire.record=1000")
-    long = run(campaign(*sets, text=BOUNCE), tmp_path / "long", workers=1)
+    long = run(campaign(*sets, text=BOUNCE), tmp_path / "long", workers=1).document()
     met = [row["met"] for row in found["fidelity"]["conditions"]]
     assert met[:4] == [True, True, True, True]  # the fifth wanders: what is found for it hangs on the last bit
     for one, other, held in zip(found["conditions"], long["conditions"], met, strict=True):
         assert not held or one["W_exp"] == pytest.approx(other["W_exp"], rel=0.02 + 2e-3)  # 1000 cycles are not all
-    (text,) = fidelity_sentences(found)
+    (text,) = fidelity_sentences(Report.of(found))
     assert "No rows of grains" in text
 
 
 def test_the_report_says_in_words_what_was_saved() -> None:
     """Numbers of cycles of the drive, and shares; no counts of rows times cycles, which nobody can read."""
-    document = {
-        "tolerance": 0.05, "cycles": {"auto": 888, "written": 8000, "resolved": 51200}, "not_met": ["c03"],
-        "row_cycles": {"auto": 1.2e5, "written": 2.9e6, "resolved": 8.5e7, "planning": 7.6e5},
-    }  # fmt: skip
-    (text,) = fidelity_sentences({"fidelity": document})
+    fidelity = Fidelity(
+        tolerance=0.05, rows_share=0.5, conditions=(), cycles=CycleCounts(888, 8000, 51200), not_met=("c03",),
+        row_cycles=CycleCounts(1.2e5, 2.9e6, 8.5e7, 7.6e5),
+    )  # fmt: skip
+    (text,) = fidelity_sentences(SimpleNamespace(fidelity=fidelity))
     assert "888 cycles of the drive were run; the protocol writes 8000, and fully resolved they would be 51200" in text
     assert "4.1 % of the work as written and 0.14 % of the fully resolved" in text
     assert "finding the choice took, once, 6.3 times what was run" in text
     assert "NOT met in c03" in text
-    assert fidelity_sentences({}) == ()
+    assert fidelity_sentences(SimpleNamespace(fidelity=None)) == ()
 
 
 def test_peaks_beyond_the_exciter_are_those_of_all_rows(tmp_path: Path) -> None:
@@ -208,7 +209,7 @@ def test_check_tells_the_peak_with_all_rows() -> None:
 
 def test_as_written_nothing_is_told(tmp_path: Path) -> None:
     made = campaign("fidelity=as_written", "tolerance=null", "vary={drive.acceleration: [2, 5]}", *IDEAL)
-    report = run(made, tmp_path, workers=1)
+    report = run(made, tmp_path, workers=1).document()
     assert made.choices == {}
     assert "fidelity" not in report
     assert "Fidelity" not in (tmp_path / "report.md").read_text()
@@ -238,7 +239,7 @@ def test_another_condition_in_the_grid_changes_no_choice() -> None:
 def test_a_stopped_session_goes_on_with_what_was_chosen(tmp_path: Path) -> None:
     """Half the runs recorded, then resumed: the same report as in one go; another tolerance is refused by name."""
     made = campaign(*POURED)
-    whole = run(made, tmp_path / "whole", workers=1)
+    whole = run(made, tmp_path / "whole", workers=1).document()
     folder = tmp_path / "stopped"
     folder.mkdir()
     first = min(made.runs, key=lambda one: one.order)
@@ -266,7 +267,7 @@ def test_an_unattainable_tolerance_is_said(tmp_path: Path) -> None:
     """No record of 1024 cycles averages the noise of these instruments down to 1e-6 of W."""
     text = TEXT.replace("refill: false", "refill: true")
     sets = ("vary={drive.acceleration: [3, 5]}", "scene.grains.fill=0.1")
-    report = run(campaign("tolerance=1e-6", *sets, text=text), tmp_path, workers=2)
+    report = run(campaign("tolerance=1e-6", *sets, text=text), tmp_path, workers=2).document()
     told = report["fidelity"]
     assert told["not_met"] == ["c01", "c02"]
     assert all(row["why"] and row["error"] > 1e-6 for row in told["conditions"])
@@ -280,7 +281,7 @@ def test_an_unattainable_tolerance_is_said(tmp_path: Path) -> None:
 def test_beds_without_rows_are_not_simulated(tmp_path: Path) -> None:
     sets = ("vary={scene.bed: [empty, locked, dashpot]}", "repeats={n: 4, refill: true}", "scene.losses=[noise]")
     made = campaign(*sets)
-    report = run(made, tmp_path, workers=1)
+    report = run(made, tmp_path, workers=1).document()
     rows = {c["bed"]: row for c, row in zip(report["conditions"], report["fidelity"]["conditions"], strict=True)}
     assert [row["rows"] for row in rows.values()] == [None, None, None]
     assert all(row["row_cycles"] == dict.fromkeys(row["row_cycles"], 0) for row in rows.values())
@@ -310,7 +311,7 @@ def test_check_and_model_show_the_plan(rig_command: Rig, tmp_path: Path) -> None
 
 
 def test_equal_choices_give_equal_reports(tmp_path: Path) -> None:
-    reports: list[dict[str, Any]] = []
+    reports: list[Report] = []
     for workers in (1, 2):
         made = replace(campaign(*POURED), text="")
         reports.append(run(made, tmp_path / str(workers), workers=workers))

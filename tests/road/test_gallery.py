@@ -24,7 +24,7 @@ every = pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 
 def report_of(path: Path, out: Path, *sets: str, varies: tuple[str, ...] = (), workers: int = 2) -> dict[str, Any]:
     protocol = load_protocol(path, sets, varies)
-    return run(campaign_of(protocol, load_rig(protocol.rig), path.read_text()), out, workers=workers)
+    return run(campaign_of(protocol, load_rig(protocol.rig), path.read_text()), out, workers=workers).document()
 
 
 def said_in_the_docs(kind: str) -> tuple[list[float], list[float]]:
@@ -132,7 +132,7 @@ def test_the_analysis_needs_no_truth_to_read_wrongly_or_rightly(tmp_path: Path) 
 
     report = report_of(ROOT / "protocols" / "gallery" / "skew.yaml", tmp_path)
     with open_session(tmp_path / "session.h5") as record:
-        blind = read_session(Blind(record))
+        blind = read_session(Blind(record)).document()
     for row, full in zip(blind["mistake"]["conditions"], report["mistake"]["conditions"], strict=True):
         assert row["W_exp"] == full["W_exp"]
         assert row["W_true"] is row["error"] is row["ratio"] is None

@@ -22,7 +22,7 @@ MEASURED = 1.5e-5  # rad: U of ANGLE_RESOLUTION (5e-6) and of the noise (2e-7 a 
 def told(folder: Path, *sets: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Report of a loop-back, and the actual instruments."""
     protocol = load_protocol(SMALL, sets=(*ONE, *sets))
-    report = run(campaign_of(protocol, load_rig(protocol.rig), SMALL), folder, workers=1)
+    report = run(campaign_of(protocol, load_rig(protocol.rig), SMALL), folder, workers=1).document()
     with open_session(folder / "session.h5") as record:
         assert record.truth is not None
         return report, record.truth.document("instruments")
@@ -74,7 +74,7 @@ def test_a_late_channel_does_not_hold(tmp_path: Path) -> None:
 
 def test_it_goes_through_a_replay(tmp_path: Path) -> None:
     report, _ = told(tmp_path / "a")
-    assert replay(tmp_path / "a" / "session.h5", tmp_path / "b") == report
+    assert replay(tmp_path / "a" / "session.h5", tmp_path / "b").document() == report
     assert (tmp_path / "a" / "report.json").read_bytes() == (tmp_path / "b" / "report.json").read_bytes()
 
 

@@ -49,7 +49,7 @@ DC = ("acquire.coupling={force: DC, acceleration: DC}", "acquire.effects=[]")
 
 def told(record: MemoryRecord) -> np.ndarray:
     """Value and U of both numbers of every condition, (2, conditions, 2)."""
-    rows = read_session(record)["conditions"]
+    rows = read_session(record).document()["conditions"]
     return np.array([[(row[name], row[f"U_{name}"]) for row in rows] for name in NAMES])
 
 

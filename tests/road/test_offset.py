@@ -51,7 +51,7 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Rows]:
 
     def conditions(*sets: str) -> Rows:
         if sets not in made:
-            made[sets] = run(campaign(*sets), tmp_path_factory.mktemp("offset"), workers=2)["conditions"]
+            made[sets] = run(campaign(*sets), tmp_path_factory.mktemp("offset"), workers=2).document()["conditions"]
         return made[sets]
 
     return conditions
@@ -115,7 +115,7 @@ def test_an_ablation_parts_the_waveform_from_the_refill(tmp_path: Path) -> None:
 
 def test_an_exact_waveform_has_no_waveform_term(tmp_path: Path) -> None:
     exact = replace(campaign("drive.imperfection=none"), ablate=True)
-    for row in run(exact, tmp_path, workers=2)["conditions"]:
+    for row in run(exact, tmp_path, workers=2).document()["conditions"]:
         assert abs(row["offset_terms"]["waveform"]) < 1e-12
 
 
@@ -129,7 +129,7 @@ def test_terms_need_truth_and_nothing_else_does(tmp_path: Path) -> None:
             if name.startswith("run_"):
                 del file[name]["truth"]
     with open_session(tmp_path / "stripped.h5") as record:
-        without = json.loads(json.dumps(read_session(record)))["conditions"]
+        without = json.loads(json.dumps(read_session(record).document()))["conditions"]
     fed = {"offset_terms", "E_n_chain", "dKE_bed"}
     for one, other in zip(with_truth, without, strict=True):
         assert one["offset_terms"] is not None

@@ -30,7 +30,7 @@ def test_five_milliradians_beside_guide_friction(tmp_path: Path) -> None:
     """Half the certified time constant (1.6 s) turns the accelerometer by 5 mrad at 20 Hz. Guide friction on the bed's
     weight is 4 mu M g X, as large as the energy of the angle near 1 m/s^2: taken for an angle it would be half off."""
     protocol = load_protocol(TEXT)
-    report = run(campaign_of(protocol, load_rig(protocol.rig), TEXT), tmp_path)
+    report = run(campaign_of(protocol, load_rig(protocol.rig), TEXT), tmp_path).document()
     omega = 2 * math.pi * 20.0
     with open_session(tmp_path / "session.h5") as record:
         assert record.truth is not None

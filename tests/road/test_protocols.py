@@ -22,7 +22,7 @@ FEW = ("repeats.n=2", "acquire.record=20 cycles")
 def report_of(name: str, out: Path, *sets: str, varies: tuple[str, ...] = ()) -> dict[str, Any]:
     text = (FOLDER / f"{name}.yaml").read_text()
     protocol = load_protocol(FOLDER / f"{name}.yaml", sets, varies)
-    report = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=2)
+    report = run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=2).document()
     assert json.loads((out / "report.json").read_text())["claims"] == report["claims"]
     return report
 

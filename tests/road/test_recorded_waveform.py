@@ -29,7 +29,7 @@ take 2 % more than in the end, where W_T is taken."""
 def report(out: Path, *sets: str, ablate: bool = True, varies: tuple[str, ...] = ()) -> dict:
     protocol = load_protocol(SMALL, sets, varies)
     found = campaign_of(protocol, load_rig(protocol.rig), SMALL)
-    return run(Campaign(**{**vars(found), "ablate": ablate}), out, workers=2)
+    return run(Campaign(**{**vars(found), "ablate": ablate}), out, workers=2).document()
 
 
 def test_an_exact_sine_gives_the_sines_energy(tmp_path: Path) -> None:

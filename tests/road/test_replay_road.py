@@ -65,7 +65,7 @@ def test_a_replay_of_a_replay_is_the_same_again(session: Path, tmp_path: Path) -
 
 def test_without_a_folder_the_report_is_returned_and_nothing_written(session: Path) -> None:
     before = sorted(path.name for path in session.iterdir())
-    report = replay(session / "session.h5")
+    report = replay(session / "session.h5").document()
     assert report == json.loads((session / "report.json").read_text())
     assert sorted(path.name for path in session.iterdir()) == before
 
@@ -77,7 +77,7 @@ def test_an_incomplete_session_is_replayed_as_far_as_it_goes(session: Path, tmp_
 
         acquisition = Replayed(record, first.name)
         part.append(first.name, acquisition.read(acquisition.sizes[0]))
-    report = replay(tmp_path / "cut.h5", tmp_path / "again")
+    report = replay(tmp_path / "cut.h5", tmp_path / "again").document()
     assert len(report["left_out"]) == len(campaign().runs)
     with open_session(tmp_path / "again" / "session.h5") as again:
         found = again.run(first.name)

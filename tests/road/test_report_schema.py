@@ -7,6 +7,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from small_protocol import SMALL
 
+from analysis import Report
 from analysis.report.json_schema import REPORT, report_schema
 from daq.documents.shapes import deviations
 from rig import load_protocol, run
@@ -35,6 +36,7 @@ def test_a_report_fits(name: str, tmp_path: Path) -> None:
     report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert [error.message for error in Draft202012Validator(dict(report_schema())).iter_errors(report)] == []
     assert list(deviations(report, REPORT)) == []
+    assert json.dumps(Report.of(report).document()) == json.dumps(report)
     del report["conditions"][0]["W_exp"]
     assert list(Draft202012Validator(dict(report_schema())).iter_errors(report))
     assert list(deviations(report, REPORT)) == ["conditions[0].W_exp is missing"]

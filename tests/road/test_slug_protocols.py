@@ -16,7 +16,9 @@ FOLDER = Path(__file__).parents[2] / "protocols"
 def test_the_slug_follows_its_exact_solution(name: str, tmp_path: Path) -> None:
     """All claims hold, no limit is exceeded, and each condition that is comparable agrees within its U."""
     protocol = load_protocol(FOLDER / f"{name}.yaml")
-    report = run(campaign_of(protocol, load_rig(protocol.rig), (FOLDER / f"{name}.yaml").read_text()), tmp_path)
+    report = run(
+        campaign_of(protocol, load_rig(protocol.rig), (FOLDER / f"{name}.yaml").read_text()), tmp_path
+    ).document()
     assert {claim["verdict"] for claim in report["claims"]} == {"holds"}
     assert (report["verdict"], report["flags"]) == ("passes", [])
     assert report["ledger"]["closure_max"] < 1e-12

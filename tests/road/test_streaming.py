@@ -74,7 +74,7 @@ def test_a_look_tells_levels_and_flags(tmp_path: Path) -> None:
 )
 def test_a_trigger_moves_the_record_and_no_energy(tmp_path: Path, trigger: str) -> None:
     """The window starts with a whole cycle of the drive, and the ledger with the same one."""
-    report = run(campaign(f"acquire.trigger={trigger}"), tmp_path, workers=2)
+    report = run(campaign(f"acquire.trigger={trigger}"), tmp_path, workers=2).document()
     assert report["verdict"] == "passes"
     assert all(abs(c["E_n_chain"]) <= 1 for c in report["conditions"])
     with open_session(tmp_path / "session.h5") as record:
@@ -102,7 +102,7 @@ def test_too_slow_a_machine_is_told_recorded_and_resumed(tmp_path: Path, monkeyp
         (info,) = record.runs
         assert not info.complete
         assert info.flags & Flag.OVERRUN
-    report = run(made, tmp_path, resume=True)
+    report = run(made, tmp_path, resume=True).document()
     assert not any("overrun" in entry["flags"] for c in report["conditions"] for entry in c["runs"])
 
 
@@ -137,9 +137,8 @@ def test_two_minutes_at_sixty_times_the_speed(tmp_path: Path) -> None:
     """The real clock: 2 minutes of rig time in 2 seconds, without overrun, results as at full speed."""
     sets = ("vary={}", "repeats.n=2", "acquire.record=1190 cycles")
     late: list[Punctuality] = []
-    report = run(campaign(*sets), tmp_path / "paced", speed=60.0, progress=lambda step: late.append(step.punctuality))
-    fast = run(campaign(*sets), tmp_path / "fast", workers=2)
-    assert report == fast
+    paced = run(campaign(*sets), tmp_path / "paced", speed=60.0, progress=lambda step: late.append(step.punctuality))
+    assert paced == run(campaign(*sets), tmp_path / "fast", workers=2)
     assert sum(one.count for one in late) > 70
     assert max(one.worst for one in late) < 0.5
 
@@ -158,6 +157,6 @@ def test_pacing_changes_no_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         )
         report = run(
             campaign(*ONE), tmp_path / "paced", speed=200.0, progress=lambda step: waits.append(step.punctuality)
-        )
+        ).document()
     assert sum(one.count for one in waits) > 0
-    assert report == run(campaign(*ONE), tmp_path / "fast", workers=1)
+    assert report == run(campaign(*ONE), tmp_path / "fast", workers=1).document()

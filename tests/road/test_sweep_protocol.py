@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from analysis import Report
 from analysis.energy.sweep import fundamentals, shift
 from analysis.report import wording
 from analysis.report.figures.sweep import sweep_plot
@@ -62,51 +62,51 @@ def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
     campaign = campaign_of(protocol, load_rig("default"), SWEEP)
     rig = replace(campaign.rig, exciter=campaign.instruments.exciter)
     report = run(campaign, tmp_path)
-    assert report["verdict"] == "passes"
-    assert report["left_out"] == []
-    assert report["conditions"] == []
+    assert report.verdict == "passes"
+    assert report.left_out == ()
+    assert report.conditions == ()
     _told_truly(report)
     drive = protocol.drive
-    for one, condition in zip(report["sweeps"], campaign.conditions, strict=True):
+    for one, condition in zip(report.sweeps, campaign.conditions, strict=True):
         stand = CoupledStand(condition.scene, rig, drive,
                              nominal(condition.scene, rig), 10240.0)  # fmt: skip
-        exact = response(stand.plant, "voltage", np.array(one["frequency"]))
+        exact = response(stand.plant, "voltage", np.array(one.frequency))
         volts = drive.command * rig.exciter.voltage_peak
         for name in ("force", "acceleration"):
             steady = volts * np.abs(getattr(exact, name))
-            off = np.abs(np.array(one[name]) - steady)[np.array(one["frequency"]) > 3.0].max() / steady.max()
-            assert off < one[f"shift_{name}"] + 0.005, (name, condition.scene.bed)
-        assert np.median(one["M_eff"]) == pytest.approx(stand.plant.box + stand.bed.mass - stand.bed.bonded, rel=2e-3)
-        assert one["frequency"][0] > 8.9
-        assert one["frequency"][-1] < 2.6
-        assert one["rate"] == pytest.approx((6.25 - 81.0) / 400.0)
+            off = np.abs(np.array(getattr(one, name)) - steady)[np.array(one.frequency) > 3.0].max() / steady.max()
+            assert off < getattr(one, f"shift_{name}") + 0.005, (name, condition.scene.bed)
+        assert np.median(one.M_eff) == pytest.approx(stand.plant.box + stand.bed.mass - stand.bed.bonded, rel=2e-3)
+        assert one.frequency[0] > 8.9
+        assert one.frequency[-1] < 2.6
+        assert one.rate == pytest.approx((6.25 - 81.0) / 400.0)
 
 
-def _told_truly(report: dict[str, Any]) -> None:
+def _told_truly(report: Report) -> None:
     """Sweeps alone: no ideal waveform, no prediction, no verdict on an energy, and a truth that is there."""
-    assert report["waveform"] == "measured"
-    assert {row["why"] for row in report["comparisons"]} == {"not made: no run states an energy"}
+    assert report.waveform == "measured"
+    assert {row.why for row in report.comparisons} == {"not made: no run states an energy"}
     assert "empty, locked" in wording.tested(report)
     assert "ideal" not in wording.waveform(report)
     assert "states no energy" in wording.headline(report)
     assert wording.verdict_line(report).startswith("Nothing judged")
-    assert not any("truth" in reason or "can be used" in reason for reason in report["reasons"])
+    assert not any("truth" in reason or "can be used" in reason for reason in report.reasons)
     drawn = sweep_plot(report)
     assert drawn is not None
-    assert all(one["run"] in str(drawn) for one in report["sweeps"])
+    assert all(one.run in str(drawn) for one in report.sweeps)
 
 
 def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
     """An amplifier that clips fails the session, and the flags say in which runs and how far beyond the limit."""
     protocol = load_protocol(SWEEP, ["drive.command=95 %", "acquire.record=60 cycles"])
     report = run(campaign_of(protocol, load_rig("default"), SWEEP), tmp_path)
-    assert report["verdict"] == wording.verdict_line(report).lower() == "fails"
-    flags = {row["flag"]: row for row in report["flags"]}
-    assert {flag for one in report["sweeps"] for flag in one["flags"]} == set(flags)
+    assert report.verdict == wording.verdict_line(report).lower() == "fails"
+    flags = {row.flag: row for row in report.flags}
+    assert {flag for one in report.sweeps for flag in one.flags} == set(flags)
     for name, flag in flags.items():
-        assert flag["runs"] == [one["run"] for one in report["sweeps"] if name in one["flags"]]
-    assert flags["clipped"]["worst"] is None
-    assert flags["over_stroke"]["worst"] > 1.0
+        assert list(flag.runs) == [one.run for one in report.sweeps if name in one.flags]
+    assert flags["clipped"].worst is None
+    assert (flags["over_stroke"].worst or 0.0) > 1.0
     assert "clipped" in wording.found(report)[-1]
 
 

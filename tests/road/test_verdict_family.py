@@ -107,7 +107,7 @@ are drawn as ever, and a session takes a sixth of the time. `four fills` is as l
 
 def session_of(plan: Plan, seed: int) -> tuple[MemoryRecord, dict[str, Any]]:
     record = plan.session(seed)
-    return record, read_session(record)
+    return record, read_session(record).document()
 
 
 def allowed(count: int, chance: float = 0.025) -> int:
@@ -205,7 +205,7 @@ def misbelieved(record: MemoryRecord, fault: str, truth: bool = True) -> dict[st
     wrong.channels = {**record.channels, "acceleration": FAULTS[fault](record, channel)}
     if not truth:
         wrong.truth, wrong.synthetic = None, False
-    return read_session(wrong)
+    return read_session(wrong).document()
 
 
 def power(plan: Plan, count: int, faults: list[str], first: int = 1, alone: bool = False) -> Counter[str]:

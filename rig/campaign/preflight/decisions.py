@@ -19,7 +19,7 @@ from analysis.energy.energies import Energy
 from analysis.results.condition import Result, evaluate
 from analysis.results.judged_rows import ClaimRow
 from analysis.results.run import RunEnergy
-from analysis.session.prediction import PredictionEntry
+from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.protocol import ExpectedClaim
 from analysis.session.setting import Setting
 from analysis.uncertainty.budget import noise_of

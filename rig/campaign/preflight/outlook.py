@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from analysis.session.prediction import PredictionEntry
+from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.protocol import ExpectedClaim
 from analysis.uncertainty.budget import angle_uncertainty, certificate_lines, combine, noise_at, resolution_lines
 from daq.chain.channel import ChannelInfo

@@ -8,10 +8,10 @@ from bare_rows import bare
 
 from analysis.energy.energies import Energy
 from analysis.energy.gauge_position import at_box
-from analysis.session.exciter import Exciter
+from analysis.session.exciter import SessionExciter
 from rig.protocol.spec import GaugeSide
 
-EXCITER = bare(Exciter, stinger_stiffness=5e6, stinger_damping=150.0, parts_U=0.1)
+EXCITER = bare(SessionExciter, stinger_stiffness=5e6, stinger_damping=150.0, parts_U=0.1)
 FREQUENCY, MASS, LOAD, DASHPOT = 40.0, 0.8, 30.0, 60.0
 ENDS: tuple[GaugeSide, ...] = ("box", "exciter")
 

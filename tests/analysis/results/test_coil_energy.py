@@ -8,10 +8,10 @@ from analytic_record import Facts
 
 from analysis.energy.energies import Energy
 from analysis.results.coil_current import PARTS, coil_estimates, coil_force, coil_of
-from analysis.session.exciter import Exciter
+from analysis.session.exciter import SessionExciter
 from analysis.uncertainty.budget import certificate_lines
 
-EXCITER = Exciter(
+EXCITER = SessionExciter(
     force_constant=12.0, moving_mass=0.5, flexure_stiffness=9500.0, flexure_damping_ratio=0.07,
     body_mass=28.0, isolation_stiffness=27600.0, isolation_damping_ratio=0.1, stinger_stiffness=9.7e6,
     stinger_damping=20.0, force_constant_U=0.01, parts_U=0.1, band=350.0,

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis.session.prediction import Curve, Prediction, entries_of, middle
+from analysis.session.prediction import Curve, middle
+from analysis.session.prediction_entry import entries_of
 
 
 @settings(deadline=None)
@@ -47,7 +48,7 @@ def test_what_is_no_table_is_refused(levels, values):
 
 def test_a_laboratory_s_own_prediction_needs_two_lists_only():
     (entry,) = entries_of({"conditions": {"c": {"acceleration": [2, 4], "W_T": [1, 4]}}}).values()
-    found = Prediction.of(entry)
+    found = entry.curves()
     assert found.total(3.0) == pytest.approx(2.25)
     assert found.friction(3.0) == 0
     assert found.u_rel == 0

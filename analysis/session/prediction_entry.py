@@ -1,0 +1,68 @@
+"""The prediction in a session's documents: plain numbers, so that a laboratory's own can take its place."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+from analysis.session.prediction import Curve, Given, Prediction
+from analysis.session.record import AnalysisError
+from daq.documents.classes import built, shape_of
+from daq.documents.shapes import Each, Keys, List, Number, deviations
+
+__all__ = ["PREDICTION", "PredictionEntry", "entries_of"]
+
+Energies = Annotated[tuple[float, ...], List(Number(), least=1)]
+Relative = Annotated[float | None, Number(0.0, 1e3)]
+Ratios = Annotated[tuple[float, ...], List(Number(0.0, 1e6))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictionEntry:
+    """An entry of the session's document `prediction`: W_T, and W_f and W_c where they are known, at accelerations.
+
+    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels, u_settling of what a
+    record holds beside the steady state that is predicted. model: W_T over its nominal value, for draws of the model's
+    parameters; refills: the same for beds poured anew.
+    """
+
+    acceleration: Annotated[tuple[float, ...], List(Number(0.0, above=True), least=1)]
+    W_T: Energies
+    W_f: Energies = ()
+    W_c: Energies = ()
+    model: Ratios = ()
+    refills: Ratios = ()
+    u_rel: Relative = None
+    u_levels: Relative = None
+    u_settling: Relative = None
+    W_T_paper: Given = None
+    bound: Given = None
+    period: Given = None
+    periodic_share: Given = None
+
+    def curves(self) -> Prediction:
+        """The prediction as curves."""
+        a = self.acceleration
+        absent = [0.0] * len(a)
+        return Prediction(
+            total=Curve.of(a, self.W_T),
+            friction=Curve.of(a, self.W_f or absent),
+            collision=Curve.of(a, self.W_c or absent),
+            u_rel=float(self.u_rel or 0.0),
+            u_levels=float(self.u_levels or 0.0),
+            u_settling=float(self.u_settling or 0.0),
+        )
+
+
+PREDICTION = Keys({
+    "conditions": Each(replace(shape_of(PredictionEntry), as_long=("acceleration", "W_T", "W_f", "W_c")))
+})  # fmt: skip
+"""The session's document."""
+
+
+def entries_of(document: Mapping[str, Any] | None) -> dict[str, PredictionEntry]:
+    """The entries of a prediction by condition. AnalysisError with the first deviation."""
+    if not document:
+        return {}
+    for sentence in deviations(document, PREDICTION, "prediction"):
+        raise AnalysisError(f"the session's document {sentence}")
+    return {name: built(PredictionEntry, entry) for name, entry in document["conditions"].items()}
