@@ -1,4 +1,4 @@
-"""docs/performance.md from the rows of a run: the same rows give the same bytes."""
+"""Write docs/performance.md from the rows of a run: the same rows give the same bytes."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -7,7 +7,7 @@ from typing import Any
 
 from daq.whole_files import write_whole
 from rig.benchmarks.results.figures import LADDER, PRECISION, SCALING, drawn
-from rig.benchmarks.results.tables import Table, number, tables
+from rig.benchmarks.results.tables import ResultTable, number, tables
 
 Row = dict[str, Any]
 
@@ -35,7 +35,7 @@ state, against closed forms or (e > 0, lid) closed flights with root finding of 
 except in the short steps that lead from an event back to the grid.
 Compiled methods follow up to 4096 cycles or 200,000 steps, of which what they set up once is
 a small part, `solve_ivp` the settling and two more cycles; times are per cycle, none stops early where a state recurs.
-What a method costs at an error is read from its curve, log time
+The cost of a method at an error is read from its curve, log time
 over log error; a coarse setting counts with the largest error of all finer ones, because nobody can know where errors
 cancel. The ratio is that of the summed times over all problems. At 1e-9 ten times RK4 was demanded while RK4 computed
 its sines anew in every step; since it takes them from a table, four.""",
@@ -50,9 +50,9 @@ The methods: `ours` from event to event; `RK4` compiled, fixed steps, events loc
 itself, a shorter step from each back to the grid; `Euler` semi-implicit and `Moreau` time stepping at the midpoint,
 compiled, fixed steps, events not located; scipy's `solve_ivp` with terminal events, restarted at each, resting phases
 given for nothing, atol = rtol/100, steps of at most 1 rad so that none jumps over an event. Impacts count only while
-the mass closes on the wall: behind a lift-off the gap grows like t^3 and round-off alone would fake one.""",
+the mass closes on the wall: after a lift-off the gap grows like t^3 and round-off alone would fake one.""",
     "work": "",
-    "states": """The orbit beside its energy: place and velocity behind the last cycle that was followed, the larger
+    "states": """The orbit beside its energy: position and velocity after the last cycle that was followed, the larger
 error of the two in units of the waveform, against closed flights; the coarsest setting whose W is right to 1e-6. A
 block on a floor has nothing that pulls it back: its errors add up over the cycles.""",
     "layers": """## Which model to choose
@@ -104,14 +104,17 @@ and done nothing else: what is above it is the run's.""",
 
 
 def write_page(rows: Sequence[Row], folder: Path) -> Path:
-    """Write the page; figures are expected in `figures` beside it. Raises OSError."""
+    """Write the page and return its path; figures are expected in `figures` beside it.
+
+    Raises OSError.
+    """
     path = folder / PAGE
     write_whole(path, page(rows))
     return path
 
 
 def page(rows: Sequence[Row]) -> str:
-    """The page as text. ValueError for rows without a machine."""
+    """Return the page as text. Raises ValueError for rows without a machine."""
     machine = next((row for row in rows if row["kind"] == "machine"), None)
     if machine is None:
         raise ValueError("the rows do not begin with a machine")
@@ -131,15 +134,17 @@ def page(rows: Sequence[Row]) -> str:
 
 
 def _ladder_words(rows: Sequence[Row]) -> dict[str, str]:
-    """How many times as long the steppers take as ours with the same rule for the cycles, in words; "" without."""
-    told: dict[str, list[str]] = {"same": [], "steady": []}
+    """Return sentences with the times of the steppers relative to ours under the same rule for the
+    cycles; "" without any.
+    """
+    sentences: dict[str, list[str]] = {"same": [], "steady": []}
     compared = [row for row in rows if row["kind"] == "layers" and row.get("times")]
     for method in dict.fromkeys(row["method"] for row in compared):
         each = [row["times"]["median"] for row in compared if row["method"] == method]
         name, _, rest = method.partition(" steps")
         kind = "steady" if rest.endswith("recurs") else "same"
-        told[kind].append(f"{name} steps {number(min(each), 2)} to {number(max(each), 2)} times as long")
-    return {kind: ": " * bool(words) + "; ".join(words) for kind, words in told.items()}
+        sentences[kind].append(f"{name} steps {number(min(each), 2)} to {number(max(each), 2)} times as long")
+    return {kind: ": " * bool(words) + "; ".join(words) for kind, words in sentences.items()}
 
 
 def _head(machine: Row) -> str:
@@ -157,8 +162,8 @@ def _head(machine: Row) -> str:
     )
 
 
-def markdown(table: Table) -> str:
-    """A table in Markdown, its title in bold above it."""
+def markdown(table: ResultTable) -> str:
+    """Return a table in Markdown, its title in bold above it."""
     rule = "|".join(" --- " if column in table.left else " ---: " for column in table.columns)
     lines = [f"**{table.title}**", "", _line(table.columns), f"|{rule}|", *map(_line, table.lines)]
     return "\n".join(lines)
@@ -169,10 +174,10 @@ def _line(cells: Iterable[str]) -> str:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Rows of a bench.jsonl, also of one that was interrupted. Raises OSError, ValueError."""
+    """Return the rows of a bench.jsonl, also of an interrupted one. Raises OSError, ValueError."""
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
 
 
 def as_line(row: Row) -> str:
-    """A row as a line of JSON."""
+    """Return a row as a line of JSON."""
     return json.dumps(row, allow_nan=False)
