@@ -27,7 +27,7 @@ def cpu() -> str:
 
 
 def header(quick: bool) -> dict[str, Any]:
-    """Return machine, versions, commit (empty without a checkout) and the system load at the start."""
+    """Return machine, versions, commit (empty without a checkout) and the load at the start."""
     return {
         "kind": "machine",
         "quick": quick,

@@ -35,7 +35,7 @@ for name in sys.argv[1:]:
 
 
 def as_users_have_it(**more: str) -> dict[str, str]:
-    """Return an environment in which Python may keep its compiled modules, as it does by default."""
+    """Return an environment in which Python may keep compiled modules, as by default."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     return {**kept, **more}
 
@@ -49,7 +49,7 @@ def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str
 
 
 def imported_by(arguments: Sequence[str], folder: Path) -> tuple[str, ...]:
-    """Return the modules that a `rig` command has imported at its end. Raises CalledProcessError."""
+    """Return the modules that a `rig` command has imported. Raises CalledProcessError."""
     command = [sys.executable, "-c", LISTED, *arguments]
     done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True, env=as_users_have_it())
     return tuple(done.stderr.rpartition("imported")[2].split())

@@ -15,13 +15,13 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "stability.md"
 
 HEAD = """# Stability: the hard cases
 
-Made by `make stability`; do not edit. Each case provokes a failure, on purpose, and is a test (`tests/physics/hard/`,
-definitions in `rig/benchmarks/hard/`). Required everywhere: no NaN, no energy from nothing, finite time,
-and a named error or a flagged result in the place of a wrong number.
-Errors are shown as the next power of ten, which is what machines
-agree on, other numbers ("~") by two digits. Where the failure is cheap to show, "a naive method" says what a method
-that falls for it gives. "40 digits" is event-by-event motion in decimal arithmetic (`rig/benchmarks/hard/exact.py`),
-which shares nothing with the code that it judges.
+Made by `make stability`; do not edit. Each case provokes a failure, on purpose, and is a test
+(`tests/physics/hard/`, definitions in `rig/benchmarks/hard/`). Required everywhere: no NaN, no
+energy from nothing, finite time, and a named error or a flagged result in the place of a wrong
+number. Errors are shown as the next power of ten, which is what machines agree on, other
+numbers ("~") by two digits. Where the failure is cheap to show, "a naive method" says what a
+method that falls for it gives. "40 digits" is event-by-event motion in decimal arithmetic
+(`rig/benchmarks/hard/exact.py`), which shares nothing with the code that it judges.
 
 """
 

@@ -75,7 +75,7 @@ def stingers() -> CaseOutcome:
 
 
 def stability() -> CaseOutcome:
-    """The linear system without damping, in steps of 0.1 to 1e3 rad of its fastest mode: 1e5 steps."""
+    """The linear system without damping, in steps of 0.1 to 1e3 rad of its fastest mode."""
     rig = load_rig("default")
     near, far = 0.0, 0.0
     for turn in (0.1, 1.99, 2.0, 2.01, 20.0, 1e3):

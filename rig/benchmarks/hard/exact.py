@@ -58,7 +58,7 @@ def root(function: Function, low: Decimal, high: Decimal) -> Decimal:
 
 
 class Flight(NamedTuple):
-    """Free motion against the box from phase t0, position u and velocity z, under the constant c."""
+    """Free motion against the box from phase t0, position u and velocity z, with constant c."""
 
     t0: Decimal
     u: Decimal

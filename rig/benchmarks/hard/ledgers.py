@@ -93,7 +93,7 @@ def long_run() -> CaseOutcome:
 
 
 def _ends(lost: Array) -> float:
-    """Return the difference between the losses of the first and the last thousand settled cycles."""
+    """Return the losses of the first 1000 settled cycles less those of the last 1000."""
     return abs(float(lost[100:1100].sum() - lost[-1000:].sum()))
 
 

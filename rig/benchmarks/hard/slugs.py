@@ -127,7 +127,7 @@ def subharmonic() -> CaseOutcome:
 
 
 def zeno() -> CaseOutcome:
-    """A slug dropped onto a floor below Gamma = 1, e = .1 to .9: all bounces until it lies still."""
+    """A slug dropped onto a floor below Gamma = 1, e = .1 to .9: all bounces until rest."""
     energy, most = 0.0, 0
     for e, weight, height in product((0.1, 0.5, 0.9), (1.05, 4.0), (0.01, 2.0)):
         with precise():

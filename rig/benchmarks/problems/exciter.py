@@ -1,4 +1,4 @@
-"""The exciter in the loop against real time: 680 rows at four levels, the default step, one core."""
+"""The exciter in the loop against real time: 680 rows, four levels, default step, one core."""
 
 import statistics
 import time

@@ -77,7 +77,7 @@ class _Flight:
         return self._u + (self._z + self._cos) * d - (math.sin(t) - self._sin) - 0.5 * self.pull * d * d
 
     def soon(self) -> float:
-        """Return a phase shortly after the start at which a rebound still moves away from the wall."""
+        """Return a phase just after the start at which a rebound still leaves the wall."""
         force = abs(self._sin - self.pull)
         return self._t + min(SCAN, abs(self._z) / force if force > 0.0 else SCAN)
 

@@ -1,4 +1,4 @@
-"""Growth of cost with the size of a problem: times at some sizes, and the exponent fitted to them."""
+"""Growth of cost with the size of a problem: times at some sizes, and a fitted exponent."""
 
 from collections.abc import Callable, Sequence
 from functools import partial

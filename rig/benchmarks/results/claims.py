@@ -1,4 +1,4 @@
-"""Claims about the event-driven rows and the rig's parts, judged from the measurements of one run."""
+"""Claims about the event-driven rows and the rig's parts, judged from one run's rows."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple

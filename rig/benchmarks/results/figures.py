@@ -1,4 +1,4 @@
-"""Work-precision, model variants and scaling as figures, SVG and PNG; equal rows give equal bytes."""
+"""Work-precision, model variants and scaling as figures; equal rows give equal bytes."""
 
 import io
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from analysis.report.figures.axes import SERIES
 from analysis.report.figures.matplotlib_style import STYLE, svg
 from daq.whole_files import write_whole
-from rig.benchmarks.results.tables import SHORT, own_rows
+from rig.benchmarks.results.tables import SHORT, own_rows, succeeded
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +83,7 @@ def write_figures(rows: Sequence[Row], folder: Path) -> list[Path]:
 
 def precision_figure(rows: Sequence[Row]) -> "Figure":
     """Draw one panel per problem, one curve per method."""
-    precise = [row for row in rows if row["kind"] == "precision" and row["failure"] is None]
+    precise = succeeded(rows)
     problems = list(dict.fromkeys(row["problem"] for row in precise))
     figure, panels = _panels(len(problems), "error of W", "µs per cycle")
     for axes, problem in zip(panels, problems, strict=True):
@@ -123,7 +123,7 @@ def scaling_figure(rows: Sequence[Row]) -> "Figure":
     fits = [row for row in rows if row["kind"] == "exponent"]
     figure, panels = _panels(len(fits), "size", "ms")
     for axes, fit in zip(panels, fits, strict=True):
-        own = [row for row in rows if row["kind"] == "scaling" and row["axis"] == fit["axis"]]
+        own = [row for row in rows if (row["kind"], row.get("axis")) == ("scaling", fit["axis"])]
         x, y = [row["size"] for row in own], [row["ms"]["median"] for row in own]
         axes.plot(x, y, color=SERIES[0], marker="o", linestyle="none")
         middle_x, middle_y = (x[0] * x[-1]) ** 0.5, (y[0] * y[-1]) ** 0.5

@@ -77,11 +77,22 @@ def own_rows(rows: Sequence[Row], problem: str, method: str) -> list[Row]:
 
 
 def _cost(own: Sequence[Row], wanted: float) -> float | None:
-    """Return a method's microseconds per cycle at the error `wanted`; None where it is not reached."""
+    """Return a method's microseconds per cycle at the error `wanted`, None if not reached."""
     if not own:
         return None
     cost = cost_at(wanted, [row["error"] for row in own], [row["us_per_cycle"]["median"] for row in own])
     return cost.seconds if cost.reached else None
+
+
+def succeeded(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of the work-precision curves without those of failed methods."""
+    return [row for row in _of(rows, "precision") if row["failure"] is None]
+
+
+def _yes_or_no(held: bool | None) -> str:
+    if held is None:
+        return "-"
+    return "yes" if held else "no"
 
 
 def _of(rows: Sequence[Row], kind: str) -> list[Row]:
@@ -152,7 +163,7 @@ def _checks(rows: Sequence[Row]) -> ResultTable:
 
 
 def _costs(rows: Sequence[Row], wanted: float) -> ResultTable:
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+    precise = succeeded(rows)
     problems = dict.fromkeys(row["problem"] for row in precise)
     methods = [name for name in SHORT if any(row["method"] == name for row in precise)]
     lines = []
@@ -174,7 +185,7 @@ def _work(rows: Sequence[Row]) -> ResultTable:
     """Return the work per cycle of the coarsest setting that brings W to 1e-6, on the first problem
     with friction and impacts.
     """
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+    precise = succeeded(rows)
     problems = list(dict.fromkeys(row["problem"] for row in precise))
     problem = next((name for name in problems if name.startswith("friction")), problems[0] if problems else "")
     lines = []
@@ -205,7 +216,7 @@ def _states(rows: Sequence[Row]) -> ResultTable:
     """Return the error of the state, on the first problem in which the mass moves at the end of a
     cycle.
     """
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None and "state_error" in row]
+    precise = [row for row in succeeded(rows) if "state_error" in row]
     problem = next((row["problem"] for row in precise if row["problem"].startswith("block")), "")
     lines = []
     for method, short in SHORT.items():
@@ -302,7 +313,7 @@ def _exponents(rows: Sequence[Row]) -> ResultTable:
             row["what"],
             f"{row['sizes'][0]:g} to {row['sizes'][1]:g}",
             f"{row['exponent']:.2f} +- {2.0 * row['error']:.2f}",
-            "-" if row["at_most_linear"] is None else ("yes" if row["at_most_linear"] else "no"),
+            _yes_or_no(row["at_most_linear"]),
         )
         for row in _of(rows, "exponent")
     )
@@ -357,7 +368,7 @@ def _mean_cost(rows: Sequence[Row], methods: Sequence[str], wanted: float = 1e-6
 
     None where a problem has no method that reaches it.
     """
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+    precise = succeeded(rows)
     best = []
     for problem in dict.fromkeys(row["problem"] for row in precise):
         costs = []
