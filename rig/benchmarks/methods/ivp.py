@@ -40,6 +40,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
         def slope(t: float, y: tuple[float, float], pull: float = pull) -> tuple[float, float]:
             return y[1], math.sin(t) - pull
 
+        # One cycle at a time, because the loss is counted by cycles.
         found = solve_ivp(
             slope, (t, TWO_PI * (cycle + 1)), (u, z), method, events=_events(slider, mode, t), rtol=setting,
             atol=0.01 * setting, max_step=LARGEST,
@@ -57,6 +58,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
         if low or high:
             u = 0.0 if low else slider.play
             back = -slider.restitution * z
+            # Without a cut-off the bounces would not end.
             back = 0.0 if abs(back) < CHATTER else back
             lost[cycle] += 0.5 * (z * z - back * back)
             z, mode = back, 0 if back == 0.0 else int(math.copysign(1, back))
@@ -84,6 +86,7 @@ def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, ob
     def stop(t: float, y: tuple[float, float]) -> float:
         return mode * y[1] if slider.band > 0.0 and t > start else 1.0
 
+    # solve_ivp reads these attributes of the functions.
     for event in (floor, lid, stop):
         vars(event).update(terminal=True, direction=-1)
     return floor, lid, stop

@@ -88,6 +88,7 @@ def _located(
     u_end, z_end, _ = _step(t, h, u, z, f, pull)
     at_low = sign * z if stop else sign * (level - u)
     at_high = sign * z_end if stop else sign * (level - u_end)
+    # Secant as the first guess, then Newton steps kept inside the bracket.
     guess = h * at_low / (at_low - at_high) if at_low > at_high else h
     for n in range(1, 60):
         u_new, z_new, force = _step(t, guess, u, z, f, pull)
@@ -153,6 +154,7 @@ def _run(
         limit = events + STUCK
         while n <= steps:
             h = length if whole else n * length - t
+            # An event on the grid itself: go on from the grid point.
             if h <= ROUND_OFF:
                 t, n, whole, known = n * length, n + 1, True, False
                 continue
@@ -218,6 +220,7 @@ def _run(
                 rhs += 2 * count
                 roots += count
                 u_end, z_end, force = _step(t, part, u, z, f, pull)
+                # Exactly on the wall, so that round-off does not accumulate.
                 u_end = level
             lost += band * abs(u_end - u)
             if stops or wall != 0:
