@@ -97,6 +97,7 @@ class Pacer:
             return
         now = self._clock()
         if self._start is None:
+            # The first sample waited for is on time by definition, whatever its index.
             self._start = now - sample_index * self._per_sample
         deadline = self._start + sample_index * self._per_sample
         if deadline > now:

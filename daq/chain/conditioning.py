@@ -55,6 +55,7 @@ class Resonance:
         # c is the bilinear transform's 2/h over w0; the weights are b, p, q of `_resonate`.
         c = rate / (math.pi * frequency)
         whole = 1 + 2 * damping * c + c * c
+        # Normalised by the coefficient of the newest output.
         self._weights = (1 / whole, (2 - 2 * c * c) / whole, (1 - 2 * damping * c + c * c) / whole)
         self._memory = (0.0, 0.0)
 

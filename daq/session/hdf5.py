@@ -79,7 +79,7 @@ def group(owner: Any, name: str, values: Mapping[str, AttributeValue]) -> Any:
 
 
 def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
-    """Create attributes: text as fixed-length UTF-8, lists of text as its arrays, int64, float64."""
+    """Create attributes: text as fixed-length UTF-8, lists of text as arrays, int64, float64."""
     for name, value in values.items():
         encoded: npt.NDArray[Any]
         if isinstance(value, int):
@@ -103,7 +103,7 @@ def text(owner: Any, name: str, value: str) -> None:
 
 
 def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
-    """Create a fixed-size dataset with allocated space. Tables (chunk = 0) are filled with zeros."""
+    """Create a fixed-size dataset with allocated space. Tables (chunk = 0) are filled with 0."""
     return h5d.create(
         owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), _array_layout(chunk)
     )

@@ -104,6 +104,7 @@ class Unmarked(io.FileIO):
         start = self.tell()
         count = super().readinto(buffer) or 0
         if start < len(self._head):
+            # The head replaces the bytes of the file that it covers.
             part = self._head[start : start + count]
             memoryview(buffer).cast("B")[: len(part)] = part
         return count
@@ -119,6 +120,7 @@ def _cleared(head: bytes, path: Path) -> bytes:
     body = head[:end]
     if lookup3(body) != int.from_bytes(head[end : end + 4], "little"):
         raise ValueError(f"the HDF5 superblock of {path} is damaged (its checksum is wrong)")
+    # Other flags are kept: only the marks of writers are cleared.
     flags = body[FLAGS_AT] & ~(OPEN_FOR_WRITE | OPEN_FOR_SWMR)
     body = body[:FLAGS_AT] + bytes([flags]) + body[FLAGS_AT + 1 :]
     return body + lookup3(body).to_bytes(4, "little") + head[end + 4 :]

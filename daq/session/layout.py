@@ -27,10 +27,12 @@ def build_session(file: Any, plan: SessionPlan) -> None:
     """
     _check(plan)
     root = file.id
+    # As a boolean: the low-level `attributes` would write an integer.
     file.attrs["synthetic"] = plan.synthetic
     attributes(root, {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs})
     session = group(root, "session", {"NX_class": "NXentry", "rate": float(plan.rate)})
     runs = [_resolved(run, plan) for run in plan.runs]
+    # The format's own documents last: `_check` refuses plans that would replace them.
     documents = {
         **plan.documents,
         "protocol": plan.protocol,

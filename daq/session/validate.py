@@ -81,6 +81,7 @@ def _run(record: Record, plan: RunPlan) -> Iterator[str]:
         for start in range(0, info.samples, CHUNK):
             record.codes(plan.name, channel.name, start, min(start + CHUNK, info.samples))
     seen = int(np.bitwise_or.reduce(record.blocks(plan.name)["flags"], axis=None, initial=0))
+    # NOT_SETTLED is normal in the first blocks and is not part of a run's flags.
     missing = seen & ~info.flags & ~Flag.NOT_SETTLED
     if missing:
         yield f"session/status: {plan.name} lacks flags that its blocks have: {missing:#x}"

@@ -70,6 +70,7 @@ class Recorder:
                 file.swmr_mode = True
                 file.flush()
                 reserve(part)
+                # Readers see a complete file or none.
                 os.replace(part, final)
                 return cls(file, final, lock, made=True)
             except BaseException:
@@ -99,6 +100,7 @@ class Recorder:
             raise SessionError(f"there is no session file {final}")
         lock = _locked(final)
         try:
+            # Safe under the lock: no live writer has the file open.
             clear_consistency_flags(final)
             file = open_file(final, "r+")
             try:
@@ -145,6 +147,7 @@ class Recorder:
         self._write(f"{run}/blocks", used, np.array([entry], dtype=block_dtype(len(self._channels))))
         # The status is written last: a kill before leaves the block uncounted, not half valid.
         row["samples"], row["blocks"] = first + block.count, used + 1
+        # Settling is normal at the start of a run; every other flag sticks to the run.
         row["flags"] |= np.bitwise_or.reduce(block.flags, initial=0) & ~np.uint16(Flag.NOT_SETTLED)
         self._write_status(run)
 
@@ -174,6 +177,7 @@ class Recorder:
         row["complete"] = 1
         row["flags"] |= np.uint16(flags)
         self._write_status(run)
+        # Handles of a complete run are closed: a session has thousands of datasets.
         self._open = {path: rows for path, rows in self._open.items() if not path.startswith(f"{run}/")}
 
     def completed(self) -> set[str]:
@@ -232,6 +236,7 @@ class Recorder:
             self._dataset(path).write(first, rows)
         except (OSError, RuntimeError) as error:
             self._failed = True
+            # HDF5's messages end with buffer addresses and offsets, which tell the user nothing.
             why = str(error).partition(" (file write failed")[0].partition(", buf")[0]
             kept = "what was recorded before is kept, --resume goes on"
             raise WriteError(f"cannot write to {self._path}: {why}; {kept}") from error

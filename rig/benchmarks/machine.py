@@ -1,4 +1,4 @@
-"""What the numbers were measured on: the first line of every output."""
+"""The machine and software of a measurement, written as the first line of every output."""
 
 import os
 import platform
@@ -12,12 +12,12 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def cores() -> int:
-    """Processors that this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def cpu() -> str:
-    """The processor's name as the system gives it."""
+    """Return the processor's name as the system states it."""
     listing = Path("/proc/cpuinfo")
     if listing.exists():
         for line in listing.read_text(encoding="utf-8", errors="replace").splitlines():
@@ -27,7 +27,7 @@ def cpu() -> str:
 
 
 def header(quick: bool) -> dict[str, Any]:
-    """Machine, versions, commit (empty where there is no checkout) and the load that others put on it at the start."""
+    """Return machine, versions, commit (empty without a checkout) and the load at the start."""
     return {
         "kind": "machine",
         "quick": quick,

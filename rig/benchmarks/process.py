@@ -1,4 +1,4 @@
-"""Whole processes, timed and weighed from outside."""
+"""Time and peak memory of whole processes, measured from outside."""
 
 import os
 import subprocess
@@ -8,7 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 EVERY = 0.02
-"""Seconds between looks at the memory of a process: the system keeps its peak, only the last look has to be late."""
+"""Seconds between readings of a process's memory: the system keeps the peak, so only the last
+reading must be late.
+"""
 
 RIG = "import sys; sys.argv = ['rig', *sys.argv[1:]]; from rig.cli import main; main()"
 
@@ -33,13 +35,13 @@ for name in sys.argv[1:]:
 
 
 def as_users_have_it(**more: str) -> dict[str, str]:
-    """The environment of a process whose Python may keep its compiled modules, as it does unless told otherwise."""
+    """Return an environment in which Python may keep compiled modules, as by default."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     return {**kept, **more}
 
 
 def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None) -> float:
-    """Wall seconds of one process, which has to succeed. Raises CalledProcessError."""
+    """Return the wall seconds of one process. Raises CalledProcessError where it fails."""
     environment = as_users_have_it() if environment is None else environment
     start = time.perf_counter()
     subprocess.run(command, cwd=folder, check=True, capture_output=True, env=environment)
@@ -47,27 +49,31 @@ def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str
 
 
 def imported_by(arguments: Sequence[str], folder: Path) -> tuple[str, ...]:
-    """Modules that a `rig` command has imported in the end. Raises CalledProcessError."""
+    """Return the modules that a `rig` command has imported. Raises CalledProcessError."""
     command = [sys.executable, "-c", LISTED, *arguments]
     done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True, env=as_users_have_it())
     return tuple(done.stderr.rpartition("imported")[2].split())
 
 
 def weighed_imports(modules: Sequence[str], folder: Path) -> float:
-    """Peak memory, MB, of an interpreter that imports modules and does nothing. See `weighed`."""
+    """Return the peak memory, MB, of an interpreter that imports modules and does nothing else.
+
+    See `weighed`.
+    """
     return weighed([sys.executable, "-c", IMPORTS, *modules], folder)[0]
 
 
 def run_process(arguments: Sequence[str], folder: Path) -> tuple[float, float]:
-    """Peak memory of a `rig` command and of its largest worker, MB. See `weighed`."""
+    """Return the peak memory, MB, of a `rig` command and of its largest worker. See `weighed`."""
     return weighed([sys.executable, "-c", RIG, *arguments], folder)
 
 
 def weighed(command: Sequence[str], folder: Path) -> tuple[float, float]:
-    """Peak resident memory of a process and of its largest child, MB, as /proc has it (Linux).
+    """Return the peak resident memory, MB, of a process and of its largest child, from /proc
+    (Linux).
 
-    Not `getrusage`: its peak of a new process begins with that of the one that started it. Raises OSError,
-    CalledProcessError.
+    `getrusage` is not used: the peak of a new process begins with that of its parent. Raises
+    OSError, CalledProcessError.
     """
     own = largest = 0.0
     with subprocess.Popen(
@@ -83,7 +89,7 @@ def weighed(command: Sequence[str], folder: Path) -> tuple[float, float]:
 
 
 def _peak(pid: int) -> float:
-    """Peak resident memory of a process, MB; 0 where it has gone."""
+    """Return the peak resident memory of a process, MB; 0 where it has ended."""
     try:
         status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
     except (FileNotFoundError, ProcessLookupError):
@@ -93,7 +99,7 @@ def _peak(pid: int) -> float:
 
 
 def _children(pid: int) -> tuple[int, ...]:
-    """Processes that a process's first thread has started."""
+    """Return the processes started by a process's first thread."""
     try:
         return tuple(map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()))
     except (FileNotFoundError, ProcessLookupError):

@@ -1,4 +1,6 @@
-"""All measurements in order: a job fails alone, with its reason as a row; rows come out as soon as they are there."""
+"""Run all measurements in order: a job that fails gives a row with the reason, and rows are
+delivered as they come.
+"""
 
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -14,7 +16,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Job:
-    """Something to measure; `weight` is about how many seconds it takes, for the time left."""
+    """Something to measure; `weight` is its approximate duration in seconds, for the time left."""
 
     title: str
     weight: float
@@ -22,7 +24,7 @@ class Job:
 
 
 def jobs(quick: bool) -> tuple[Job, ...]:
-    """What `rig bench` measures: quick with fewer problems, settings, sizes and rounds."""
+    """Return the measurements of `rig bench`; quick: fewer problems, settings, sizes and rounds."""
     from rig.benchmarks.problems import (
         beds,
         chain,
@@ -71,7 +73,10 @@ def jobs(quick: bool) -> tuple[Job, ...]:
 
 
 def measured(todo: Sequence[Job], quick: bool, watch: Callable[[Job, bool], None] = lambda *_: None) -> Iterator[Row]:
-    """Rows of all jobs: the machine first, the claims last. `watch` is called before and behind (True) a job."""
+    """Yield the rows of all jobs, the machine first, the claims last.
+
+    `watch` is called before and after (True) each job.
+    """
     from analysis.session.record import AnalysisError
     from daq.session.plan import SessionError
     from rig.errors import InputError
@@ -97,7 +102,9 @@ def measured(todo: Sequence[Job], quick: bool, watch: Callable[[Job, bool], None
 
 
 def rounded(value: Any) -> Any:
-    """The value with every float in it at six digits: the output says no more than was measured."""
+    """Return the value with every float rounded to six digits, because the output claims no more
+    precision than was measured.
+    """
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,6 @@
-"""`make stability`: run every hard case (rig/benchmarks/hard) and write docs/stability.md; --check compares instead."""
+"""`make stability`: run every hard case (rig/benchmarks/hard) and write docs/stability.md; --check
+compares instead.
+"""
 
 import argparse
 import re
@@ -13,25 +15,25 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "stability.md"
 
 HEAD = """# Stability: the hard cases
 
-Made by `make stability`; do not edit. Each case provokes a failure, on purpose, and is a test (`tests/physics/hard/`,
-definitions in `rig/benchmarks/hard/`). Required everywhere: no NaN, no energy from nothing, finite time,
-and a named error or a flagged result in the place of a wrong number.
-Errors are shown as the next power of ten, which is what machines
-agree on, other numbers ("~") by two digits. Where the failure is cheap to show, "a naive method" says what a method
-that falls for it gives. "40 digits" is event-by-event motion in decimal arithmetic (`rig/benchmarks/hard/exact.py`),
-which shares nothing with the code that it judges.
+Made by `make stability`; do not edit. Each case provokes a failure, on purpose, and is a test
+(`tests/physics/hard/`, definitions in `rig/benchmarks/hard/`). Required everywhere: no NaN, no
+energy from nothing, finite time, and a named error or a flagged result in the place of a wrong
+number. Errors are shown as the next power of ten, which is what machines agree on, other
+numbers ("~") by two digits. Where the failure is cheap to show, "a naive method" says what a
+method that falls for it gives. "40 digits" is event-by-event motion in decimal arithmetic
+(`rig/benchmarks/hard/exact.py`), which shares nothing with the code that it judges.
 
 """
 
 COLUMNS = ("case", "provokes", "required", "measured (limit)", "a naive method", "held")
 
 DECADE = re.compile(r"below 1e(-?\d+)|(?<=: )0(?= \(at most)")
-NOTHING = "-400"  # the decade of an error of zero: below all others
+NOTHING = "-400"  # stands for the decade of an error of zero, below all others
 ROUGH = re.compile(r"~(\d[\d.e-]*)")
 
 
 def page() -> str:
-    """The page's text, every case run."""
+    """Return the page's text after running every case."""
     held = sum(outcome(case.name).held for case in CASES)
     lines = [HEAD + f"{held} of {len(CASES)} cases held."]
     for title, cases in GROUPS:
@@ -40,8 +42,11 @@ def page() -> str:
 
 
 def differences(stored: str, made: str) -> list[str]:
-    """Lines in which two pages differ. Machines and libraries round apart: what is said to lie below a power of ten may
-    come out smaller, or by one decade larger; what has "~" may differ by a tenth."""
+    """Return the lines in which two pages differ beyond round-off.
+
+    Machines and libraries round differently: a number stated as below a power of ten may come out
+    smaller, or larger by one decade; a number with "~" may differ by a tenth.
+    """
     old, new = stored.splitlines(), made.splitlines()
     if len(old) != len(new):
         return [f"{len(old)} lines stored, {len(new)} made"]

@@ -1,4 +1,6 @@
-"""Wall times side by side: every call once per round, in a different order each time, the first call left out."""
+"""Wall times side by side: every call once per round, in a different order each time, the first
+call left out.
+"""
 
 import statistics
 import time
@@ -7,16 +9,23 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 LEAST = 5e-4
-"""Seconds that one measurement lasts at least: short calls are repeated, and the time of one of them is given."""
+"""Least duration of a measurement, s: shorter calls are repeated, and the time of one of them is
+returned.
+"""
 
 BATCHES = 7
-"""Measurements of a short call per round, the shortest of which counts: others on the machine only ever add time."""
+"""Measurements of a short call per round, the shortest of which counts: other processes can only
+add time.
+"""
 
 MOST_CALLS = 1000
 
 
 def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, least: float = LEAST) -> dict[str, list[float]]:
-    """Seconds per call, one for each round, by name. Every call has been made once before: that is the warm-up."""
+    """Return the seconds per call, one for each round, by name.
+
+    Each is called once before, to warm up.
+    """
     names = list(calls)
     repeats = {name: _repeats(calls[name], least) for name in names}
     found: dict[str, list[float]] = {name: [] for name in names}
@@ -47,22 +56,28 @@ def _repeats(call: Callable[[], object], least: float) -> int:
 
 
 def spread(values: list[float]) -> dict[str, Any]:
-    """Median, least and largest of some measurements, and how many they are."""
+    """Return median, least, largest and number of some measurements."""
     return {"median": statistics.median(values), "low": min(values), "high": max(values), "rounds": len(values)}
 
 
 def ratios(slow: list[float], fast: list[float]) -> dict[str, Any]:
-    """Spread of slow over fast, round by round: what both have in common, such as a busy machine, falls out."""
+    """Return the spread of slow over fast, round by round: common influences, such as a busy
+    machine, cancel.
+    """
     return spread([a / b for a, b in zip(slow, fast, strict=True)])
 
 
 def against(times: Mapping[str, list[float]], ours: str, rival: str, demand: float) -> dict[str, Any]:
-    """A claim on `interleaved` times, for a row: speed over a rival's, and the least that is demanded of it."""
+    """Return a claim on `interleaved` times, for a row: speed relative to a rival's, and the least
+    demanded.
+    """
     return {"rival": rival, "demand": demand, **ratios(times[rival], times[ours])}
 
 
 def peak_memory(call: Callable[[], Any]) -> tuple[Any, float]:
-    """Result of a call, and the most that Python and numpy held for it, kB (what compiled code holds is not seen)."""
+    """Return (result of a call, peak memory of Python and numpy in kB), without memory of compiled
+    code.
+    """
     tracemalloc.start()
     try:
         result = call()

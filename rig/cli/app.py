@@ -1,4 +1,4 @@
-"""The commands, one function each; exit code 0 done, 1 a check failed, 2 bad input, 3 interrupted."""
+"""The commands, one function each; exit code 0 done, 1 check failed, 2 bad input, 3 interrupted."""
 
 import gc
 from dataclasses import replace

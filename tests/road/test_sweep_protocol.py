@@ -115,7 +115,7 @@ def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[
     assert check_protocol(campaign_of(protocol, load_rig("default"), SWEEP), strict=False, as_json=False) == 0
     told = capsys.readouterr().out
     assert "W_T" not in told
-    assert "No energy is stated of sweeps: c01, c02" in told
+    assert "No energy is stated for sweeps: c01, c02" in told
 
 
 def test_looking_ahead_sees_the_whole_sweep() -> None:

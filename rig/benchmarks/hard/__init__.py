@@ -1,1 +1,3 @@
-"""Hard cases: each provokes a failure, says what is required, and measures it against something independent."""
+"""Hard cases: each provokes a failure, states the required behaviour, and measures it against
+something independent.
+"""

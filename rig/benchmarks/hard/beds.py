@@ -1,4 +1,4 @@
-"""Hard cases of scenes: fills, sizes, levels and frequencies at the edge of what a protocol can hold."""
+"""Hard cases of scenes: fills, sizes, levels and frequencies at the limits of a protocol."""
 
 import math
 from dataclasses import replace
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rig.beds.janssen_stack import Filling, nominal, stack
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
 from rig.drive.waveform import Waveform
@@ -27,17 +27,17 @@ STEEL = 7900.0
 
 
 def scene(**grains: float) -> Scene:
-    """The default box with steel balls."""
+    """Return the default box with steel balls."""
     return Scene(grains=replace(Grains(density=STEEL), **grains))  # type: ignore[arg-type]
 
 
 def model(what: Scene, rig: Rig, acceleration: float = 5.0, frequency: float = 20.0) -> Prediction:
-    """What `rig model` says."""
+    """Return the prediction of `rig model`."""
     return predict(Condition("c", what, Drive(frequency=frequency, acceleration=acceleration), Acquire(), ""), rig)
 
 
 def refused(protocol: Protocol) -> bool:
-    """Whether a protocol is bad input."""
+    """Return whether a protocol is bad input."""
     try:
         conditions(protocol)
     except InputError:
@@ -45,8 +45,10 @@ def refused(protocol: Protocol) -> bool:
     return False
 
 
-def fills() -> Outcome:
-    """Fill 0, 1e-12, one layer, one mobile layer, w*, 1 less one bit, 1, and 200 between: 4 mm and 7 mm."""
+def fills() -> CaseOutcome:
+    """Fill 0, 1e-12, one layer, one mobile layer, w*, 1 less one bit, 1, and 200 in between: 4 mm
+    and 7 mm.
+    """
     rig = load_rig("default")
     edge = rig.packing_loose / rig.packing_shaken
     special = [1e-12, 0.005, 0.01, 0.015, edge, np.nextafter(edge, 1.0), 0.999, 0.9999]
@@ -60,7 +62,7 @@ def fills() -> Outcome:
     none = [model(scene(fill=w), rig).W_T for w in (0.0, float(np.nextafter(1.0, 0.0)), 1.0)]
     one = model(scene(fill=0.01), rig)
     half = Protocol("half a layer", scene=scene(fill=0.004, diameter=0.004))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("predictions that are not finite, of 416", gone, 0.0),
             exactly("W_T below 0 or above the bound 4 m V², J", max(negative, beyond, 0.0), 0.0),
@@ -73,8 +75,10 @@ def fills() -> Outcome:
     )
 
 
-def many_layers() -> Outcome:
-    """1e4 layers; a stack of 18 m, whose deep layers the walls carry; 1e10 grains; against closed forms."""
+def many_layers() -> CaseOutcome:
+    """1e4 layers; a stack of 18 m, whose deep layers are carried by the walls; 1e10 grains; against
+    closed forms.
+    """
     rig = load_rig("default")
     thin = Scene(cavity=Cavity(height=0.5), grains=Grains(density=STEEL, diameter=4e-5, fill=0.8))
     deep = Scene(cavity=Cavity(height=20.0), grains=Grains(density=STEEL, diameter=1e-3, fill=0.9))
@@ -94,9 +98,10 @@ def many_layers() -> Outcome:
     too_many = Protocol(
         "20001 layers", scene=Scene(grains=Grains(density=STEEL, diameter=0.4 / 20001.0 / 1.00001, fill=1.0))
     )
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # F_i - F_(i-1) is a difference of numbers near the saturated capacity: 2e-16 of it
+            # F_i - F_(i-1) is a difference of numbers near the saturated capacity: round-off is
+            # 2e-16 of it
             at_most("error of the thresholds, in saturated capacities", error, 1e-15),
             at_most("most negative threshold, m/s²", least, 0.0),
             at_most("relative error of their sum", sums, 1e-12),
@@ -108,7 +113,7 @@ def many_layers() -> Outcome:
     )
 
 
-def sizes() -> Outcome:
+def sizes() -> CaseOutcome:
     """Grains as large as the box, larger, and just smaller; a tower; a slit."""
     rig = load_rig("default")
     not_fitting = [
@@ -135,7 +140,7 @@ def sizes() -> Outcome:
         named = 0
     except InputError:
         named = 1
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("grains that do not fit: bad input, of 3", sum(map(refused, not_fitting)), 3.0),
             exactly("W_T not finite or outside 0 and the bound, of 12", wrong, 0.0),
@@ -144,15 +149,18 @@ def sizes() -> Outcome:
     )
 
 
-def extremes() -> Outcome:
-    """1 mHz to 10 kHz, 1e-6 to 1e4 m/s²; the same motion in other units is the same to the last bit but one."""
+def extremes() -> CaseOutcome:
+    """1 mHz to 10 kHz, 1e-6 to 1e4 m/s²; the same motion in other units is the same to the last bit
+    but one.
+    """
     rig = load_rig("default")
     box = replace(scene(fill=0.5), layers=Layers(rows=2))
     bed = stack(box, rig, nominal(box, rig))
     unit = (5.0 / (40.0 * math.pi)) ** 2
     scaled = []
     for power in (-60, -20, 0, 20, 60):
-        s = 4.0**power  # accelerations x s and the frequency x its root: the same lengths, energies x s
+        # accelerations times s, frequency times sqrt(s): equal lengths, energies times s
+        s = 4.0**power
         total = layers_total(bed.threshold * s, bed.play, bed.row_mass, bed.restitution, 5.0 * s, 20.0 * 2.0**power)
         scaled.append(total.total / s)
     spread = (max(scaled) - min(scaled)) / (bed.mass * unit)
@@ -168,7 +176,7 @@ def extremes() -> Outcome:
         signal = stand.read(4 * 4096)
         wrong += not np.isfinite(signal).all()
         closure = max(closure, float(np.abs(stand.drain_ledger()[:, COLUMNS.index("closure")]).max()))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("spread of W_T over five scales 1e-36 to 1e36, in m V²", spread, 1e-13),
             exactly("predictions and records that are not finite or beyond the bound, of 48", wrong, 0.0),
@@ -178,8 +186,10 @@ def extremes() -> Outcome:
     )
 
 
-def one_impact() -> Outcome:
-    """One layer, one row: two impacts per cycle, each inside one of 4096 intervals, at phases all over an interval."""
+def one_impact() -> CaseOutcome:
+    """One layer, one row: two impacts per cycle, each inside one of 4096 intervals, at phases all
+    over an interval.
+    """
     rig = load_rig("default")
     per_cycle, worst, missed = 4096, 0.0, 0.0
     for k in range(16):
@@ -193,7 +203,7 @@ def one_impact() -> Outcome:
         force_h, acceleration_h = (np.fft.rfft(x)[1] * 2.0 / per_cycle for x in (force, acceleration))
         found = -math.pi / motion.omega**2 * (force_h * acceleration_h.conjugate()).imag
         worst = max(worst, abs(found / true - 1.0))
-        # between the impacts the force is smooth: a force taken at points has no impact in it at all
+        # Between impacts the force is smooth: a force sampled at points contains no impact at all.
         smooth = force.copy()
         hits = np.abs(force - np.median(force)) > 10.0 * np.abs(force - np.median(force)).mean()
         smooth[hits] = 0.0
@@ -201,9 +211,10 @@ def one_impact() -> Outcome:
             -math.pi / motion.omega**2 * ((np.fft.rfft(smooth)[1] * 2.0 / per_cycle) * acceleration_h.conjugate()).imag
         )
         missed = max(missed, abs(points / true - 1.0))
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # an impact is known to its interval: half of 2 pi/4096 rad, over the tangent of its phase, which is near 1
+            # The phase of an impact is known to its interval: half of 2 pi/4096 rad, over the
+            # tangent of the phase, which is near 1.
             at_most("relative error of W from the record, against the ledger", worst, 2e-3),
         ),
         naive=(at_least("force sampled at points, where no impact is met: relative error of W", missed, 0.2),),

@@ -5,7 +5,7 @@ from decimal import Decimal
 import numpy as np
 
 from daq.random_streams import stream
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import precise
 from rig.kernels.chain import MOST_HITS, collide_file
 from rig.theory.chain import (
@@ -19,8 +19,10 @@ from rig.theory.chain import (
 SEED = 2015
 
 
-def collapse() -> Outcome:
-    """Files of 4 to 20 grains with n (1 - e) from 3 to 4, thrown onto a wall: infinitely many hits in finite time."""
+def collapse() -> CaseOutcome:
+    """Files of 4 to 20 grains with n (1 - e) from 3 to 4, thrown onto a wall: infinitely many hits
+    in finite time.
+    """
     files = ((4, 0.2), (6, 0.4), (8, 0.5), (10, 0.6), (10, 0.69), (12, 0.7), (20, 0.8), (20, 0.84), (20, 0.85))
     most, balance, least, flagged = 0, 0.0, 1.0, 0
     for n, e in files:
@@ -31,10 +33,10 @@ def collapse() -> Outcome:
         least = min(least, (after.loss + after.wall_loss) / (0.5 * n))
         flagged += after.elastic_hits > 0
     without = chain_collision(np.ones(10), 0.6, -1.0, restitution_wall=0.75, contact_time=0.0).hits
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            at_most("energy that is neither left nor accounted for, as a share", balance, 1e-12),
-            at_least("share of the energy lost, least of the files (collapse loses all)", least, 0.9),
+            at_most("energy that is neither left nor accounted for, as a fraction", balance, 1e-12),
+            at_least("fraction of the energy lost, least of the files (collapse loses all)", least, 0.9),
             no_more("hits", most, 1e5),
             exactly("files that tell of elastic hits, of 9", flagged, 9.0),
             exactly(
@@ -47,8 +49,10 @@ def collapse() -> Outcome:
     )
 
 
-def no_end() -> Outcome:
-    """What cannot be followed ends by name: a collapse without contact time, a row too long and too elastic."""
+def no_end() -> CaseOutcome:
+    """Files that cannot be followed end in a named error: a collapse without contact time, a row
+    too long and too elastic.
+    """
     named = 0
     try:
         chain_collision(np.ones(24), 0.8, -1.0, restitution_wall=0.75, contact_time=0.0)
@@ -59,12 +63,12 @@ def no_end() -> Outcome:
             row_restitution(grains, 1.0 - 1.0 / grains, 0.75)
         except TooManyHits:
             named += 1
-    return Outcome(
+    return CaseOutcome(
         measured=(exactly(f"refused by name (TooManyHits after {MOST_HITS:.0e} hits or beforehand), of 3", named, 3.0),)
     )
 
 
-def rebound() -> Outcome:
+def rebound() -> CaseOutcome:
     """Rows that do not collapse: every hit of up to 1034 against forty digits."""
     worst, hits = 0.0, 0
     for n, e in ((2, 0.5), (10, 0.8), (16, 0.9), (24, 0.9), (40, 0.99)):
@@ -77,7 +81,7 @@ def rebound() -> Outcome:
             np.ones(n), np.full(n - 1, e), True, 0.75, np.arange(1.0, n + 1.0), -np.ones(n), 0.0
         )
         density.append(count / n**2)
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("error of e_row, 40 digits", worst, 1e-12),
             no_more("hits over n², to 200 grains", max(density), 2.5),
@@ -86,8 +90,10 @@ def rebound() -> Outcome:
     )
 
 
-def extreme_chains() -> Outcome:
-    """150 random files: mass ratios to 1e6 between neighbours, e of each contact 0 to 1, with and without a wall."""
+def extreme_chains() -> CaseOutcome:
+    """150 random files: mass ratios to 1e6 between neighbours, e of each contact 0 to 1, with and
+    without a wall.
+    """
     rng = stream(SEED, "hard", "chains")
     energy, momentum, closing, most, given_up = 0.0, 0.0, 0.0, 0, 0
     for k in range(150):
@@ -110,10 +116,10 @@ def extreme_chains() -> Outcome:
         most = max(most, after.hits)
     cradle = chain_collision(np.ones(50), 1.0, np.eye(50)[0])
     passed = np.abs(cradle.velocity - np.eye(50)[-1]).max()
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            at_most("energy that does not balance, as a share", energy, 1e-11),
-            at_most("momentum gained, as a share", momentum, 1e-12),
+            at_most("energy that does not balance, as a fraction", energy, 1e-11),
+            at_most("momentum gained, as a fraction", momentum, 1e-12),
             at_most("neighbours that still close on each other, over the first speed", closing, 1e-11),
             no_more("hits", most, MOST_HITS),
             no_more("given up by name, of 150", given_up, 3.0),
@@ -123,7 +129,9 @@ def extreme_chains() -> Outcome:
 
 
 def _decimal_rebound(n: int, e: Decimal, e0: Decimal) -> tuple[Decimal, int]:
-    """Mean velocity of n equal grains that fly at -1 onto a wall, and the hits, event by event in forty digits."""
+    """Return (mean velocity of n equal grains that fly at -1 onto a wall, hits), event by event in
+    forty digits.
+    """
     with precise():
         x, v, hits = [Decimal(k + 1) for k in range(n)], [Decimal(-1)] * n, 0
         still = Decimal("1e-12")

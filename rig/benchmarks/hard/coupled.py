@@ -1,4 +1,6 @@
-"""Hard cases of the coupled drive: exciter, stinger, box and bed move each other (`rig.stand.shaker`)."""
+"""Hard cases of the coupled drive: exciter, stinger, box and bed move each other
+(`rig.stand.shaker`).
+"""
 
 import math
 from dataclasses import replace
@@ -8,7 +10,7 @@ from numpy.typing import NDArray
 
 from rig.beds.janssen_stack import bed_mass, nominal
 from rig.benchmarks.hard import naive
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.catalog.entries import Exciter, Rig
 from rig.catalog.rig_file import load_rig
 from rig.drive.amplifier_command import Command
@@ -25,23 +27,26 @@ BED = Scene(grains=Grains(density=7900.0), losses=(), layers=Layers(rows=2))
 
 
 def stand(rig: Rig, scene: Scene, amplifier: Amplifier = "current", **more: object) -> CoupledStand:
-    """The default drive at 20 Hz, everything at rest."""
+    """Return a stand with the default drive at 20 Hz, everything at rest."""
     return CoupledStand(scene, rig, Drive(mode="coupled", amplifier=amplifier), nominal(scene, rig), RATE, **more)  # type: ignore[arg-type]
 
 
 def column(ledger: Array, name: str) -> Array:
-    """One column of a coupled ledger."""
+    """Return one column of a coupled ledger."""
     return np.asarray(ledger[:, COUPLED_COLUMNS.index(name)])
 
 
-def stingers() -> Outcome:
-    """Stingers of 1e4 to 1e11 N/m: a locked bed against mechanical impedances, and layers that hit the box."""
+def stingers() -> CaseOutcome:
+    """Stingers of 1e4 to 1e11 N/m: a locked bed against mechanical impedances, and layers that hit
+    the box.
+    """
     rig = load_rig("default")
     response, closure, heat, gone = 0.0, 0.0, 0.0, 0
     locked = replace(BED, bed="locked")
     load = box_mass(BED.cavity, rig.wall_density) + rig.gauge_mass + bed_mass(BED, rig.packing_shaken)
     for stiffness in (1e4, 1e5, 1e8, 1e11):
-        # what rings on the stinger is to be gone when the response is read: damping at 0.3 of critical
+        # The ringing of the stinger must have decayed when the response is read: 0.3 of critical
+        # damping.
         damping = 0.6 * math.sqrt(stiffness * (rig.exciter.moving_mass if stiffness > 1e6 else load))
         exciter = replace(
             rig.exciter, stinger_stiffness=stiffness, stinger_damping=damping, isolation_damping_ratio=0.7
@@ -58,7 +63,7 @@ def stingers() -> Outcome:
         closure = max(closure, *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")))
         electric = np.abs(column(ledger, "W_electric")).max()
         heat = max(heat, float(-min(column(ledger, "W_f").min(), column(ledger, "W_c").min()) / electric))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("box acceleration per ampere against impedances, relative", response, 1e-3),
             exactly("signals that are not finite, of 8", gone, 0.0),
@@ -69,8 +74,8 @@ def stingers() -> Outcome:
     )
 
 
-def stability() -> Outcome:
-    """The linear system without damping, steps of 0.1 to 1e3 rad of its fastest mode: 1e5 steps."""
+def stability() -> CaseOutcome:
+    """The linear system without damping, in steps of 0.1 to 1e3 rad of its fastest mode."""
     rig = load_rig("default")
     near, far = 0.0, 0.0
     for turn in (0.1, 1.99, 2.0, 2.01, 20.0, 1e3):
@@ -87,10 +92,10 @@ def stability() -> Outcome:
             y = np.linalg.matrix_power(step, 20_000) @ y
             drift = abs(_energy(plant, y) / start - 1.0)
             near, far = max(near, drift if turn < 3.0 else 0.0), max(far, drift)
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("drift of the energy over 1e5 steps of 0.1 to 2.01 rad", near, 1e-9),
-            # the exponential's round-off grows with the norm: 1e-11 a step at 1000 rad
+            # The round-off of the matrix exponential grows with the norm: 1e-11 a step at 1000 rad.
             at_most("of up to 1000 rad", far, 1e-5),
         ),
         naive=(
@@ -104,8 +109,10 @@ def stability() -> Outcome:
     )
 
 
-def limited() -> Outcome:
-    """Commands far beyond the exciter, by voltage and by current: the amplifier holds at its limits and says so."""
+def limited() -> CaseOutcome:
+    """Commands far beyond the exciter, by voltage and by current: the amplifier stays at its limits
+    and flags it.
+    """
     rig = load_rig("default")
     over, closure, clipped, told, gone = 0.0, 0.0, 1.0, 0, 0
     for amplifier, command, peak in (("voltage", 500.0, 60.0), ("current", 50.0, 8.0), ("current", 100.0, 8.0)):
@@ -122,17 +129,19 @@ def limited() -> Outcome:
         closure = max(closure, *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")))
     absurd = stand(replace(rig, exciter=replace(rig.exciter, voltage_peak=8.0)), BED)
     absurd.advance(Command((1e6 + 0j,), 20.0, 3))
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # current steps from limit to limit within an interval there: the voltage in it is beyond reach, and told
+            # The current jumps between its limits within an interval: the voltage that this needs
+            # is not available, and is flagged.
             exactly(
                 "1e6 A: cycles told to be beyond the voltage limit, of 3",
                 sum(x.voltage > 1 for x in absurd.limits),
                 3.0,
             ),
-            # the limit is met at the end of an interval: 60 V over 0.3 mH are 2.4 A more in it, of 25 A
-            exactly("drives flagged in every cycle behind the ramp, of 3", told, 3.0),
-            at_least("share of a cycle at the limit, least", clipped, 0.05),
+            # The limit applies at the end of an interval, in which 60 V over 0.3 mH add 2.4 A to 25
+            # A.
+            exactly("drives flagged in every cycle after the ramp, of 3", told, 3.0),
+            at_least("fraction of a cycle at the limit, least", clipped, 0.05),
             no_more("largest voltage or current over its limit", over, 1.1),
             exactly("signals that are not finite, of 3", gone, 0.0),
             at_most("closure of both accounts", closure, 1e-6),
@@ -140,8 +149,8 @@ def limited() -> Outcome:
     )
 
 
-def long_run() -> Outcome:
-    """1000 cycles of two layers with one row each: the sum of the account at the gauge."""
+def long_run() -> CaseOutcome:
+    """1000 cycles of two layers with one row each: the energy balance at the gauge, summed."""
     rig = load_rig("default")
     scene = replace(BED, grains=replace(BED.grains, fill=0.05, diameter=0.01), layers=Layers(rows=1))
     tested = stand(rig, scene)
@@ -151,17 +160,19 @@ def long_run() -> Outcome:
         ledgers.append(tested.drain_ledger())
     ledger = np.concatenate(ledgers)
     electric = column(ledger, "W_electric")
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("drift of the sum at the gauge over the electric work", abs(_left(ledger)) / electric.sum(), 1e-9),
             exactly("cycles with a value that is not finite", int((~np.isfinite(ledger).all(axis=1)).sum()), 0.0),
-            at_most("closure of any cycle behind the first", np.abs(column(ledger, "closure")[1:]).max(), 1e-6),
+            at_most("closure of any cycle after the first", np.abs(column(ledger, "closure")[1:]).max(), 1e-6),
         )
     )
 
 
-def floor() -> Outcome:
-    """A plastic slug of 46 g thrown by a 12 kg box at 2.4 g once a cycle, without a lid and with one out of reach."""
+def floor() -> CaseOutcome:
+    """A plastic slug of 46 g thrown by a 12 kg box at 2.4 g once a cycle, without a lid and with
+    one out of reach.
+    """
     rig, cycles = load_rig("default"), 200
     made = {}
     for gap in (0.2, "none"):
@@ -174,7 +185,7 @@ def floor() -> Outcome:
         made[gap] = tested.drain_ledger()
     lidded, free = made[0.2], made["none"]
     taken = column(lidded, "W_c")[-1]
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_least("landings of the last cycle, J", taken, 1e-3),
             at_most("without a lid: relative difference", abs(column(free, "W_c")[-1] / taken - 1.0), 1e-6),
@@ -189,13 +200,15 @@ def floor() -> Outcome:
 
 
 def _left(ledger: Array) -> float:
-    """What the balance at the gauge leaves of the sum over all cycles, J."""
+    """Return the energy-balance residual at the gauge, summed over all cycles, J."""
     spent = sum(column(ledger, c) for c in COUPLED_COLUMNS[: COUPLED_COLUMNS.index("W_gauge")])
     return float((column(ledger, "W_gauge") - spent).sum())
 
 
 def _by_impedances(e: Exciter, load: float, f: float) -> complex:
-    """Acceleration of a rigid load per ampere, e^(+jwt): two-ports in series from the box backwards, no matrix."""
+    """Return the acceleration of a rigid load per ampere, e^(+jwt), by two-ports in series from the
+    box backwards, without a matrix.
+    """
     s = 2j * math.pi * f
 
     def spring(k: float, ratio: float, mass: float) -> complex:
@@ -210,6 +223,7 @@ def _by_impedances(e: Exciter, load: float, f: float) -> complex:
 
 
 def _energy(p: Plant, y: Array) -> float:
+    """Return the mechanical energy of the linear system, J."""
     return 0.5 * float(
         p.armature * y[VA] ** 2 + p.body * y[VB] ** 2 + p.box * y[V] ** 2 + p.flexure * (y[XA] - y[XB]) ** 2
         + p.stinger * (y[XA] - y[X]) ** 2 + p.isolation * y[XB] ** 2
@@ -217,7 +231,9 @@ def _energy(p: Plant, y: Array) -> float:
 
 
 def _growth(stiffness: float) -> float:
-    """Largest factor by which semi-implicit steps multiply a swing of the armature on the stinger."""
+    """Return the largest factor per step by which semi-implicit steps multiply an oscillation of
+    the armature on the stinger.
+    """
     turn = math.sqrt(stiffness / 0.5) / RATE
     step = np.array([[1.0 - turn**2, turn], [-turn, 1.0]])
     return float(np.abs(np.linalg.eigvals(step)).max())

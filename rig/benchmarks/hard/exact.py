@@ -1,7 +1,8 @@
-"""Forty-digit arithmetic and event-by-event motion in it: what the compiled kernels are held against.
+"""Forty-digit arithmetic and event-by-event motion in it, the reference for the compiled kernels.
 
-Units of the waveform: the box has acceleration -sin t. A slider against it has z' = sin t - c while it slides or flies,
-c being s times its friction, or a gravity. Nothing here is shared with `rig`.
+Units of the waveform: the box has acceleration -sin t. A slider against it has z' = sin t - c while
+it slides or flies; c is s (the direction, +-1) times its friction, or a gravity. Nothing here is
+shared with `rig`.
 """
 
 from collections.abc import Callable
@@ -17,12 +18,12 @@ Function = Callable[[Decimal], Decimal]
 
 
 def precise() -> AbstractContextManager[Context]:
-    """Where this module's functions are to be called: forty digits."""
+    """Return the context of forty digits in which this module's functions must be called."""
     return localcontext(Context(prec=DIGITS))
 
 
 def cosine_and_sine(x: Decimal) -> tuple[Decimal, Decimal]:
-    """cos x and sin x by their series, after taking whole turns off."""
+    """Return cos x and sin x by their series, after subtracting whole turns."""
     with localcontext() as context:
         context.prec = DIGITS + 10
         x = x - 2 * PI * (x / (2 * PI)).to_integral_value()
@@ -36,7 +37,9 @@ def cosine_and_sine(x: Decimal) -> tuple[Decimal, Decimal]:
 
 
 def root(function: Function, low: Decimal, high: Decimal) -> Decimal:
-    """Root in a bracket with a change of sign: bisection and secant in turn, to 30 digits."""
+    """Return the root in a bracket with a change of sign, by bisection and secant in turn, to 30
+    digits.
+    """
     f_low, f_high = function(low), function(high)
     if f_low * f_high > 0:
         raise ArithmeticError("no change of sign in the bracket")
@@ -55,7 +58,7 @@ def root(function: Function, low: Decimal, high: Decimal) -> Decimal:
 
 
 class Flight(NamedTuple):
-    """A stretch of free motion against the box: from phase t0, position u and velocity z, under the constant c."""
+    """Free motion against the box from phase t0, position u and velocity z, with constant c."""
 
     t0: Decimal
     u: Decimal
@@ -63,18 +66,20 @@ class Flight(NamedTuple):
     c: Decimal
 
     def position(self, t: Decimal) -> Decimal:
-        """u at a phase: u0 + (z0 + cos t0)(t - t0) - (sin t - sin t0) - c (t - t0)^2/2."""
+        """Return u at a phase: u0 + (z0 + cos t0)(t - t0) - (sin t - sin t0) - c (t - t0)^2/2."""
         cos0, sin0 = cosine_and_sine(self.t0)
         past = t - self.t0
         return self.u + (self.z + cos0) * past - (cosine_and_sine(t)[1] - sin0) - self.c * past * past / 2
 
     def velocity(self, t: Decimal) -> Decimal:
-        """z at a phase: z0 + cos t0 - cos t - c (t - t0)."""
+        """Return z at a phase: z0 + cos t0 - cos t - c (t - t0)."""
         cos0, _ = cosine_and_sine(self.t0)
         return self.z + cos0 - cosine_and_sine(t)[0] - self.c * (t - self.t0)
 
     def first(self, function: Function, step: Decimal, last: Decimal) -> Decimal | None:
-        """First phase behind t0 at which a function of the phase is no longer positive, None up to `last`."""
+        """Return the first phase after t0 at which a function of the phase is no longer positive;
+        None if there is none up to `last`.
+        """
         t = self.t0
         while t < last:
             after = min(t + step, last)
@@ -85,7 +90,9 @@ class Flight(NamedTuple):
 
 
 class Bounces(NamedTuple):
-    """Bouncing against one wall until it dies out: phase of the last contact, energy lost per mass, hits."""
+    """Bouncing against one wall until it dies out: phase of the last contact, energy lost per mass,
+    hits.
+    """
 
     phase: Decimal
     lost: Decimal
@@ -93,10 +100,12 @@ class Bounces(NamedTuple):
 
 
 def bounces(t: Decimal, z: Decimal, c: Decimal, restitution: Decimal, least: Decimal) -> Bounces:
-    """A mass that has hit the wall at u = 0 at speed z, and bounces until a rebound is below `least`, every hit exact.
+    """Return the bounces of a mass that hits the wall at u = 0 at speed z, until a rebound is below
+    `least`; every hit is exact.
 
-    The push z' = sin t - c has to be towards the wall (negative) all the while, so that a flight is concave and its
-    return unique: one and a half times 2 z/|push| lies beyond it, or is doubled until it does.
+    The push z' = sin t - c must be towards the wall (negative) throughout, so that a flight is
+    concave and its return unique. The search starts beyond it, at one and a half times 2 z/|push|,
+    doubled if needed.
     """
     lost, hits = Decimal(0), 0
     while True:
@@ -112,14 +121,15 @@ def bounces(t: Decimal, z: Decimal, c: Decimal, restitution: Decimal, least: Dec
         at = 3 * rebound / push
         while flight.position(t + at) > 0:
             at *= 2
-        for _ in range(8):  # Newton from beyond the root of a concave function: it comes down to it and no further
+        # Newton from beyond the root of a concave function converges without overshoot
+        for _ in range(8):
             at -= flight.position(t + at) / flight.velocity(t + at)
         t += at
         z = -flight.velocity(t)
 
 
 def arcsine(x: Decimal) -> Decimal:
-    """Phase in [0, pi/2] whose sine is x, for x in [0, 1)."""
+    """Return the phase in [0, pi/2] whose sine is x, for x in [0, 1)."""
     return root(lambda t: cosine_and_sine(t)[1] - x, Decimal(0), PI / 2) if x > 0 else Decimal(0)
 
 
@@ -127,16 +137,23 @@ STEP = Decimal("0.05")
 
 
 def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
-    """Energy lost per mass in each cycle by a row with friction `band` > 0 in a free play, plastic at both ends.
+    """Return the energy lost per mass in each cycle by a row with friction `band` > 0 in a free
+    play, plastic at both ends.
 
-    From rest at u = 0: waits for a push beyond the band, slides, stops where z = 0 or at an end wall.
+    From rest at u = 0 it waits for a push beyond the band, slides, and stops where z = 0 or at an
+    end wall.
     """
     end = 2 * PI * cycles
     t, u, lost = Decimal(0), Decimal(0), [Decimal(0) for _ in range(cycles)]
     up = arcsine(band)
     while t < end:
-        turn = t - 2 * PI * (t // (2 * PI)) + TINY  # beyond the phase to which the row has just waited
-        s = Decimal(1) if up < turn < PI - up else Decimal(-1) if PI + up < turn < 2 * PI - up else Decimal(0)
+        # just after the phase for which the row has waited
+        turn = t - 2 * PI * (t // (2 * PI)) + TINY
+        s = Decimal(0)
+        if up < turn < PI - up:
+            s = Decimal(1)
+        elif PI + up < turn < 2 * PI - up:
+            s = Decimal(-1)
         if s == 0 or (s > 0 and u == play) or (s < 0 and u == 0):
             t += next(phase for phase in (up, PI + up, 2 * PI + up, 3 * PI + up) if phase > turn) - turn + TINY
             continue
@@ -144,7 +161,9 @@ def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
         wall = play if s > 0 else Decimal(0)
         stop = flight.first(lambda at, f=flight, s=s: s * f.velocity(at), STEP, t + 4 * PI)  # type: ignore[misc]
         hit = flight.first(lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)), STEP, stop or t + 4 * PI)  # type: ignore[misc]
-        t = hit if hit is not None else stop if stop is not None else end
+        t = end if stop is None else stop
+        if hit is not None:
+            t = hit
         if t >= end:
             break
         after = wall if hit is not None else flight.position(t)
@@ -155,7 +174,9 @@ def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
 
 
 class Landed(NamedTuple):
-    """A slug after some cycles: what it lost in each, and its height and velocity at the end (0, 0: at rest)."""
+    """A slug after some cycles: the energy lost in each, and its height and velocity at the end (0,
+    0: at rest).
+    """
 
     lost: list[Decimal]
     u: Decimal
@@ -163,12 +184,16 @@ class Landed(NamedTuple):
 
 
 def slug_on_floor(weight: Decimal, cycles: int, u: Decimal, z: Decimal) -> Landed:
-    """A plastic slug over a floor, no lid, from height u and velocity z at phase 0 (0, 0: at rest), weight < 1."""
+    """Return the motion of a plastic slug over a floor without a lid, weight < 1.
+
+    u, z: height and velocity at phase 0 (0, 0: at rest).
+    """
     end = 2 * PI * cycles
     t, lost = Decimal(0), [Decimal(0) for _ in range(cycles)]
     up = arcsine(weight)
     while t < end:
-        left = PI - up - (t - 2 * PI * (t // (2 * PI)) + TINY)  # of the time in which the floor falls away faster
+        # Rest of the time in which the floor accelerates away faster than the slug can fall.
+        left = PI - up - (t - 2 * PI * (t // (2 * PI)) + TINY)
         if u == 0 and z == 0 and not 0 < left < PI - 2 * up:
             t += left + 2 * up - PI + TINY if left >= PI - 2 * up else left + PI + 2 * up + TINY
             continue

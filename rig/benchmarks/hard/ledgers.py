@@ -1,4 +1,4 @@
-"""Hard case of every bed: 1e5 cycles of the drive, and the account still closes."""
+"""Hard case of every bed: 1e5 cycles of the drive, after which the energy balance still closes."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from rig.beds.janssen_stack import Stack
 from rig.beds.layers import LayersBed
 from rig.beds.rigid import DashpotBed, LockedBed
 from rig.beds.single_mass import SlugBed
-from rig.benchmarks.hard.case import Case, Measure, Outcome, at_most, exactly
+from rig.benchmarks.hard.case import Case, CaseOutcome, Measure, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
 from rig.theory.single_mass import SingleMass
 
@@ -24,7 +24,9 @@ DISTORTED = Waveform(20.0, 5.0, (1.0, 0.0, 0.2), (0.0, 0.0, -0.1))
 
 
 def account(bed: Bed, cycles: int = CYCLES) -> tuple[float, float, Array]:
-    """Drift of the summed account over the work done and over the bed's energy, and the losses of each cycle."""
+    """Return (drift of the summed balance over the work done, the bed's final kinetic energy, the
+    losses of each cycle).
+    """
     start = bed.kinetic_at_start
     work, lost = [], []
     kinetic = start
@@ -42,7 +44,7 @@ def account(bed: Bed, cycles: int = CYCLES) -> tuple[float, float, Array]:
 
 
 def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...], motion: Waveform) -> LayersBed:
-    """Rows of 1 kg: thresholds in levels, plays in amplitudes."""
+    """Return rows of 1 kg: thresholds in levels, plays in amplitudes."""
     rows = Stack(
         threshold=np.array(band) * motion.acceleration,
         play=np.tile(np.array(play) * motion.length_unit, (len(band), 1)),
@@ -54,7 +56,7 @@ def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...],
 
 
 def slug(gap: float, weight: float, friction: float, restitution: float, motion: Waveform) -> SlugBed:
-    """A slug of 1 kg: gap in amplitudes, weight and friction in levels."""
+    """Return a slug of 1 kg: gap in amplitudes, weight and friction in levels."""
     low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
     return SlugBed(
         SingleMass(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0),
@@ -78,7 +80,7 @@ BEDS: tuple[tuple[str, Callable[[], Bed]], ...] = (
 )
 
 
-def long_run() -> Outcome:
+def long_run() -> CaseOutcome:
     """The sum over 1e5 cycles: work, losses and the kinetic energy at both ends."""
     measures: list[Measure] = []
     for name, make in BEDS:
@@ -88,10 +90,11 @@ def long_run() -> Outcome:
             measures.append(exactly(f"{name}: first 1000 settled cycles less the last 1000, J", _ends(lost), 0.0))
         if not math.isfinite(kinetic):
             measures.append(at_most(f"{name}: kinetic energy", kinetic, math.inf))
-    return Outcome(measured=tuple(measures))
+    return CaseOutcome(measured=tuple(measures))
 
 
 def _ends(lost: Array) -> float:
+    """Return the losses of the first 1000 settled cycles less those of the last 1000."""
     return abs(float(lost[100:1100].sum() - lost[-1000:].sum()))
 
 

@@ -1,4 +1,7 @@
-"""Methods that fall for a hard case: fixed steps, tests on the gap alone. Used only to show what they do."""
+"""Methods that fail on a hard case: fixed steps, tests on the gap alone.
+
+Used only to show their failures.
+"""
 
 import math
 
@@ -6,10 +9,12 @@ import numpy as np
 
 
 def pressed(restitution: float, steps: int, cycles: int) -> float:
-    """How far a mass that is pressed onto a wall by a constant push sinks into it, in amplitudes, with fixed steps.
+    """Return the depth, in amplitudes, to which a mass pressed onto a wall by a constant push sinks
+    into it, with fixed steps.
 
-    The usual loop: velocity, position, and where the gap is negative, v = -e v. Once a rebound is shorter than a step,
-    the mass is still inside after it, its rebound is turned round again, and it falls through.
+    The usual loop: velocity, position, and v = -e v where the gap is negative. Once a rebound is
+    shorter than a step, the mass is still inside after it, its rebound is reversed again, and it
+    falls through.
     """
     h = 2.0 * math.pi / steps
     gap, v = 0.0, 0.5
@@ -24,7 +29,9 @@ def pressed(restitution: float, steps: int, cycles: int) -> float:
 
 
 def friction_block(eta: float, steps: int, cycles: int) -> float:
-    """Loss per cycle of a block on a rough floor, units m A^2/w^2, by semi-implicit steps with -eta sign(z)."""
+    """Return the loss per cycle of a block on a rough floor, units m A^2/w^2, by semi-implicit
+    steps with -eta sign(z).
+    """
     h = 2.0 * math.pi / steps
     z, lost = 0.0, 0.0
     for n in range(steps * cycles):
@@ -36,9 +43,11 @@ def friction_block(eta: float, steps: int, cycles: int) -> float:
 
 
 def false_contacts(eta: float, samples: int) -> float:
-    """Share of the phases behind a lift-off, up to 1e-5 rad, at which the gap in double precision is not open.
+    """Return the fraction of phases up to 1e-5 rad after a lift-off at which the gap in double
+    precision is not open.
 
-    The gap grows as cos(t0) (t - t0)^3/6, below 1e-16 there, and is computed as the difference of numbers near 1.
+    The gap grows as cos(t0) (t - t0)^3/6, which is below 1e-16 there, and is computed as the
+    difference of numbers near 1.
     """
     start = math.asin(eta)
     t = start + np.linspace(0.0, 1e-5, samples)[1:]
@@ -48,7 +57,9 @@ def false_contacts(eta: float, samples: int) -> float:
 
 
 def slug(level: float, steps: int, cycles: int) -> float:
-    """Loss per cycle of a plastic slug on a floor, units m A^2/w^2, semi-implicit steps: it lies on it where u < 0."""
+    """Return the loss per cycle of a plastic slug on a floor, units m A^2/w^2, by semi-implicit
+    steps: it is put down where u < 0.
+    """
     h = 2.0 * math.pi / steps
     u, z, lost = 0.0, 0.0, 0.0
     for n in range(steps * cycles):
@@ -62,7 +73,9 @@ def slug(level: float, steps: int, cycles: int) -> float:
 
 
 def oscillator(turn: float, steps: int) -> float:
-    """Largest energy over the first of an undamped oscillator in semi-implicit steps of `turn` rad."""
+    """Return the largest energy relative to the first of an undamped oscillator in semi-implicit
+    steps of `turn` rad.
+    """
     x, v, most = 0.0, 1.0, 1.0
     for _ in range(steps):
         v -= turn * x

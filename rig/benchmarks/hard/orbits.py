@@ -1,5 +1,7 @@
-"""Hard cases of the orbits of rows: what is averaged, and for how long (`rig.kernels.rows.many_rows`, m (A/w)^2 for
-energies)."""
+"""Hard cases of the orbits of rows: the quantity averaged, and the length of the average.
+
+Kernel: `rig.kernels.rows.many_rows`; energies in m (A/w)^2.
+"""
 
 import math
 from decimal import Decimal
@@ -7,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from daq.random_streams import stream
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import plastic_row, precise
 from rig.benchmarks.hard.sliders import closed_form, followed, one_row, steady
 from rig.kernels.rows.many_rows import LONGEST_SPAN
@@ -17,20 +19,22 @@ from rig.kernels.waveform import extrema, motion
 SEED = 2015
 
 
-def wide_play() -> Outcome:
-    """Rows that take many cycles to cross: no wall in reach of one average, no friction or little."""
+def wide_play() -> CaseOutcome:
+    """Rows that take many cycles to cross: no wall within one average, little or no friction."""
     worst, refused = 0.0, 0
     naive_zero = _cut_short(0.0, 1000.0)
     for band in (0.0, 1e-4, 1e-3):
         plays = np.geomspace(30.0, 400.0, 30)
-        short, long = (sum(steady(band, play, average=n)[0] for play in plays) for n in (64, 4096))
+        short = sum(steady(band, play, average=64)[0] for play in plays)
+        long = sum(steady(band, play, average=4096)[0] for play in plays)
         worst = max(worst, abs(short / long - 1.0))
     block, _ = steady(0.01, 1e9)
     for band, play in ((0.0, 405.0), (0.0, 1e9), (1e-4, 1e9), (0.0, 1e300)):
         refused += steady(band, play)[1] == -2
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # rows without a period, 16 crossings each, energies scatter by a half: 0.5/sqrt(16 x 30), 2 sigma
+            # 30 rows without a period, 16 crossings each, whose energies scatter by a half:
+            # 0.5/sqrt(16 x 30), 2 sigma.
             at_most("relative error of W of 30 rows, 30 to 400 X, against 4096 cycles", worst, 0.05),
             at_most(
                 "block of eta = .01, no wall in reach: relative error of W, closed form",
@@ -39,12 +43,12 @@ def wide_play() -> Outcome:
             ),
             exactly(f"rows that take more than {LONGEST_SPAN} cycles to cross, refused, of 4", refused, 4.0),
         ),
-        naive=(exactly("64 cycles behind 64: W of a frictionless row in 1000 X (right: .0056)", naive_zero, 0.0),),
+        naive=(exactly("64 cycles after 64: W of a frictionless row in 1000 X (right: .0056)", naive_zero, 0.0),),
     )
 
 
-def elastic() -> Outcome:
-    """e = 1 without friction: nothing is lost, the box may give and take; 10^4 cycles."""
+def elastic() -> CaseOutcome:
+    """e = 1 without friction: no losses, while the box may give and take energy; 10^4 cycles."""
     closure, lost, fastest = 0.0, 0.0, 0.0
     for play in (0.5, 1.0, 3.0, 10.0):
         ends, _ = followed(one_row(0.0, play, 1.0), 10_000)
@@ -55,18 +59,20 @@ def elastic() -> Outcome:
         fastest = max(fastest, float(np.sqrt(2.0 * kinetic).max()))
         if len(ends) < 10_000:
             closure = math.nan
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("work of the box less kinetic energy after 10^4 cycles, m V²", closure, 1e-9),
-            # rebounds below 1e-6 are cut off, 5e-13 each
+            # Rebounds below 1e-6 are cut off, which loses 5e-13 each.
             at_most("energy lost, m V²", lost, 1e-9),
             no_more("fastest row, in V", fastest, 100.0),
         )
     )
 
 
-def subharmonic() -> Outcome:
-    """Rows with periods 2, 3 and more: W over whole periods, against event-by-event motion in 40 digits."""
+def subharmonic() -> CaseOutcome:
+    """Rows with periods 2, 3 and more: W over whole periods, against event-by-event motion in 40
+    digits.
+    """
     band, found = 0.02, dict[int, float]()
     for play in np.linspace(3.2, 9.0, 60):
         _, period = steady(band, float(play))
@@ -80,7 +86,7 @@ def subharmonic() -> Outcome:
         exact = float(sum(cycles[-period:])) / period
         worst = max(worst, abs(W / exact - 1.0))
         single = max(single, max(abs(float(lost) / exact - 1.0) for lost in cycles[-period:]))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_least("different periods above 1 among 60 plays", len(found), 3.0),
             at_most("relative error of W over whole periods, 40 digits", worst, 1e-9),
@@ -89,8 +95,10 @@ def subharmonic() -> Outcome:
     )
 
 
-def touching() -> Outcome:
-    """A threshold equal to an extremum of a waveform with up to four harmonics, and up to 3 bits beside: 1000 rows."""
+def touching() -> CaseOutcome:
+    """A threshold equal to an extremum of a waveform with up to four harmonics, and up to 3 bits
+    beside it: 1000 rows.
+    """
     rng = stream(SEED, "hard", "touching")
     closure, most = 0.0, 0.0
     for k in range(1000):
@@ -104,7 +112,7 @@ def touching() -> Outcome:
         kinetic = 0.5 * (motion(0.0, *wave)[1] + np.concatenate(([0.0], state[:, 0]))) ** 2
         closure = max(closure, float(np.abs(state[:, 1] - state[:, 2] - state[:, 3] - np.diff(kinetic)).max()))
         most = max(most, float(state[:, 2:].sum(axis=1).max()))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("energy that does not close in a cycle, m V²", closure, 1e-12),
             no_more("energy lost in a cycle, m V²", most, 20.0),
@@ -112,8 +120,10 @@ def touching() -> Outcome:
     )
 
 
-def neighbourhood() -> Outcome:
-    """3000 random rows, 20 cycles each: bands to 1, plays 1e-8 to 1e3 X, e to .95, one to four harmonics."""
+def neighbourhood() -> CaseOutcome:
+    """3000 random rows, 20 cycles each: bands to 1, plays 1e-8 to 1e3 X, e to .95, one to four
+    harmonics.
+    """
     rng = stream(SEED, "hard", "rows")
     gone, outside, negative, closure, most, refused = 0, 0.0, 0.0, 0.0, 0, 0
     for _ in range(3000):
@@ -134,7 +144,7 @@ def neighbourhood() -> Outcome:
         kinetic = 0.5 * (start + np.concatenate(([0.0], state[:, 1]))) ** 2
         closure = max(closure, float(np.abs(state[:, 2] - state[:, 3] - state[:, 4] - np.diff(kinetic)).max()))
         most = max(most, int(state[:, 5].max()))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("rows with a value that is not finite", gone, 0.0),
             exactly("position outside the play, in X", max(outside, 0.0), 0.0),
@@ -147,7 +157,7 @@ def neighbourhood() -> Outcome:
 
 
 def _cut_short(band: float, play: float) -> float:
-    """W by 64 cycles behind 64, whatever the play."""
+    """Return W from 64 cycles after 64 of settling, whatever the play."""
     ends, _ = followed(one_row(band, play, 0.0), 128)
     return float(np.mean([end.friction + end.collision for end in ends[64:]]))
 

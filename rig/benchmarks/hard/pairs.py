@@ -1,4 +1,6 @@
-"""Hard cases of the collision law of a pair: `rig.theory.collision`, beside eq 11 as the paper prints it."""
+"""Hard cases of the collision law of a pair: `rig.theory.collision`, beside eq 11 as printed in the
+paper.
+"""
 
 from fractions import Fraction
 from itertools import product
@@ -7,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.random_streams import stream
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.theory import collision
 from rig.theory.collision import Bodies, Contact, collide, local_axes, normals
 from rig.theory.paper import literal
@@ -19,7 +21,7 @@ SEED = 2015
 UNIT = np.eye(3)
 
 
-def degenerate() -> Outcome:
+def degenerate() -> CaseOutcome:
     """Vertical normals, coincident centres, no slip at all, a grazing pass."""
     vertical = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
     axes = local_axes(vertical)
@@ -30,7 +32,7 @@ def degenerate() -> Outcome:
     passing = collide(Bodies(1.0, [[0.0, 1.0, 0.0]]), Bodies(1.0, here), vertical[:1], Contact(0.65, 2.0))
     printed_axes = literal.local_axes(vertical)
     printed = literal.collide(1.0, 1.0, 0.65, 0.25, np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most(
                 "departure of the axes of a vertical normal from orthonormal",
@@ -48,8 +50,10 @@ def degenerate() -> Outcome:
     )
 
 
-def mass_ratio() -> Outcome:
-    """m2/m1 from 1e-12 to 1e12 head on, against exact rational arithmetic; infinite mass as the limit."""
+def mass_ratio() -> CaseOutcome:
+    """m2/m1 from 1e-12 to 1e12 head on, against exact rational arithmetic; infinite mass as the
+    limit.
+    """
     worst, loss_error = 0.0, 0.0
     velocities, restitutions = (1.25, -0.75), (0.0, 0.25, 0.65, 1.0)
     for power, e in product(range(-12, 13, 2), restitutions):
@@ -64,7 +68,7 @@ def mass_ratio() -> Outcome:
     limit = velocities[1] - 0.65 * 2.0
     m1, mass2, restitution, _, _ = random_hits(stream(SEED, "hard", "ratio"), 1000, 1e6, 0.0)
     condition = float(np.linalg.cond(literal.matrices(m1, mass2, restitution, 0.0, 0.0)[0]).max())
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("error of the velocities over the closing speed, exact fractions", worst, 1e-15),
             at_most("relative error of the loss, exact fractions", loss_error, 1e-15),
@@ -75,8 +79,10 @@ def mass_ratio() -> Outcome:
     )
 
 
-def limits_of_coefficients() -> Outcome:
-    """e in {0, 1}, mu in {0, .25, 1, 10, 1e6}, stick, slide, spin or not: energy is never made, signs never turn."""
+def limits_of_coefficients() -> CaseOutcome:
+    """e in {0, 1}, mu in {0, .25, 1, 10, 1e6}, stick, slide, spin or not: energy is never created,
+    slip never reversed.
+    """
     rng = stream(SEED, "hard", "limits")
     count = 4000
     gained, turned, parted = -np.inf, 0.0, 0.0
@@ -97,21 +103,23 @@ def limits_of_coefficients() -> Outcome:
     m1, m2, e_any, mu_any, v = random_hits(stream(SEED, "hard", "printed"), 20_000, 1e3, 2.0)
     printed = literal.collide(m1, m2, e_any, mu_any, v)
     ratio = literal.kinetic_energy(m1, m2, printed) / literal.kinetic_energy(m1, m2, v)
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            at_most("energy gained, as a share, 160 000 hits", gained, 1e-13),
+            at_most("energy gained, as a fraction, 160 000 hits", gained, 1e-13),
             at_most("approach after the hit beyond -e times that before", parted, 1e-13),
-            at_most("slip turned against itself, as a share", turned, 1e-13),
+            at_most("slip turned against itself, as a fraction", turned, 1e-13),
         ),
         naive=(
-            at_least("eq 11: share of hits that gain energy", float((ratio > 1.0 + 1e-12).mean()), 0.5),
+            at_least("eq 11: fraction of hits that gain energy", float((ratio > 1.0 + 1e-12).mean()), 0.5),
             at_least("eq 11: energy after over before, worst", float(ratio.max()), 1e2),
         ),
     )
 
 
-def elastic_gas() -> Outcome:
-    """A million hits with e = 1 and mu = 0 among 1000 grains of unequal mass; the same with friction and e < 1."""
+def elastic_gas() -> CaseOutcome:
+    """A million hits with e = 1 and mu = 0 among 1000 grains of unequal mass; the same with
+    friction and e < 1.
+    """
     rng = stream(SEED, "hard", "gas")
     grains, rounds = 1000, 2000
     mass = np.exp(rng.uniform(-3.0, 3.0, grains))
@@ -132,19 +140,22 @@ def elastic_gas() -> Outcome:
         drift.append(abs(energies[1] + lost - energies[0]) / energies[0])
         momentum.append(float(np.abs(mass @ (v - start)).max() / np.sum(mass)))
         loss = lost / energies[0]
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # every hit rounds to 1e-16 of the pair's energy; a million of them at random: 1e3 x 1e-16/1e3 grains
+            # Every hit rounds to 1e-16 of the pair's energy; a million at random: 1e3 x 1e-16/1e3
+            # grains.
             at_most("drift of the energy after 1e6 elastic hits", drift[0], 1e-12),
             at_most("drift of energy + losses after 1e6 hits, e = .9, mu = .25", drift[1], 1e-12),
             at_most("drift of the momentum, m/s of the whole gas", max(momentum), 1e-13),
-            no_more("share of the energy lost with e = .9", loss, 1.0),
+            no_more("fraction of the energy lost with e = .9", loss, 1.0),
         )
     )
 
 
-def moving_wall() -> Outcome:
-    """A grain struck by a wall in motion: the loss belongs to the wall's frame, the work is impulse times its speed."""
+def moving_wall() -> CaseOutcome:
+    """A grain struck by a moving wall: the loss is defined in the wall's frame, the work is impulse
+    times wall velocity.
+    """
     rng = stream(SEED, "hard", "wall")
     count = 2000
     speed = rng.uniform(-3.0, 3.0, count)
@@ -156,14 +167,14 @@ def moving_wall() -> Outcome:
     gain = 0.5 * np.sum(after.velocity1**2 - v**2, axis=1)
     work = -np.einsum("ij,ij->i", after.impulse, wall)
     hit = after.impulse[:, 0] > 0.0
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("work of the wall less gain and loss, J of 1 kg", np.abs(work - gain - after.loss).max(), 1e-13),
             at_most("most negative loss, J", -after.loss.min(), 0.0),
         ),
         naive=(
             at_least(
-                "share of hits whose loss is negative in the laboratory's frame", float((gain[hit] > 0).mean()), 0.2
+                "fraction of hits whose loss is negative in the laboratory's frame", float((gain[hit] > 0).mean()), 0.2
             ),
         ),
     )
@@ -175,7 +186,9 @@ def _head_on(m1: float, m2: float, v: tuple[float, float], e: float) -> collisio
 
 
 def _rational(m1: Fraction, m2: Fraction, v: tuple[float, float], e: float) -> tuple[Fraction, Fraction, Fraction]:
-    """Velocities after a head-on hit and the energy lost, exactly: momentum, restitution, difference of energies."""
+    """Return the velocities after a head-on hit and the energy lost, exactly, from momentum,
+    restitution and energies.
+    """
     a, b, q = Fraction(v[0]), Fraction(v[1]), Fraction(e)
     mean = (m1 * a + m2 * b) / (m1 + m2)
     after = mean - m2 / (m1 + m2) * q * (a - b), mean + m1 / (m1 + m2) * q * (a - b)
@@ -197,6 +210,7 @@ def _random_pairs(rng: np.random.Generator, count: int, spins: bool) -> tuple[Bo
 
 
 def _energy(body: Bodies, velocity: object, spin: object) -> Array:
+    """Return the translational and rotational energy of each body."""
     mass = np.asarray(body.mass)
     energy = 0.5 * mass * np.sum(np.square(velocity), axis=1)  # type: ignore[call-overload]
     if body.radius is not None:

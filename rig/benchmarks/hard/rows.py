@@ -1,4 +1,6 @@
-"""Hard cases of one row of bed `layers`, event by event: `rig.kernels.rows.one_row` (m (A/w)^2 for energies)."""
+"""Hard cases of one row of bed `layers`, event by event: `rig.kernels.rows.one_row` (m (A/w)^2 for
+energies).
+"""
 
 import math
 from decimal import Decimal
@@ -7,7 +9,7 @@ import numpy as np
 
 from daq.random_streams import stream
 from rig.benchmarks.hard import naive
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, arcsine, bounces, precise
 from rig.benchmarks.hard.sliders import SINE, STUCK, Wave, block, closed_form, followed, one_row, steady
 from rig.kernels.rows.many_rows import steady_energy
@@ -18,8 +20,10 @@ from rig.theory.total import TooManyEvents, layers_total
 SEED = 2015
 
 
-def zeno() -> Outcome:
-    """Rows that bounce to rest on the wall they are pressed against: e = .25 to .9, plays 1e-9 to .1 X."""
+def zeno() -> CaseOutcome:
+    """Rows that bounce to rest on the wall they are pressed against: e = .25 to .9, plays 1e-9 to
+    .1 X.
+    """
     lost, phase, most = 0.0, 0.0, 0
     for play, e in ((0.1, 0.25), (0.1, 0.5), (0.01, 0.75), (1e-3, 0.75), (1e-3, 0.9), (1e-6, 0.5), (1e-9, 0.75)):
         with precise():
@@ -33,9 +37,10 @@ def zeno() -> Outcome:
         left = 2e-6 / ((1.0 - e) * math.sin(at_rest))
         phase = max(phase, abs(at_rest - float(exact.phase - PI)) / left)
         most = max(most, ends[0].events)
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            # a rebound below 1e-6 is cut off: 5e-13 of energy, and flights of 2e-6 e^k over the push
+            # A rebound below 1e-6 is cut off: 5e-13 of energy, and flights of 2e-6 e^k over the
+            # push.
             at_most("error of the energy lost, 40 digits, units of m V²", lost, 2e-12),
             no_more("error of the phase of rest over 2e-6/((1 - e) push), 40 digits", phase, 1.0),
             no_more("events in a cycle", most, MAX_EVENTS),
@@ -50,8 +55,10 @@ def zeno() -> Outcome:
     )
 
 
-def take_off() -> Outcome:
-    """A gap that opens as t^3: 2000 rows, thrown twice a cycle, and not one impact that is round-off."""
+def take_off() -> CaseOutcome:
+    """A gap that opens as t^3: 2000 rows, thrown twice a cycle, without a single impact caused by
+    round-off.
+    """
     rng = stream(SEED, "hard", "take-off")
     false, slides = 0, 0
     for band, play in zip(rng.uniform(0.0, 0.99, 2000), 10.0 ** rng.uniform(-2.0, 1.0, 2000), strict=True):
@@ -59,16 +66,17 @@ def take_off() -> Outcome:
         for events in happened:
             thrown = np.flatnonzero(events.mode[:-1] != 0)
             slides += thrown.size
-            # the shortest slide: band .99, stopped after 3 x (pi/2 - asin .99) = .4 rad; across .01 X: (6 x .01)^(1/3)
+            # The shortest slides: with band .99 stopped after 3 x (pi/2 - asin .99) = .4 rad;
+            # across .01 X after (6 x .01)^(1/3) rad.
             false += int(np.sum(np.diff(events.phase)[thrown] < 0.05))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("slides that end within 0.05 rad", false, 0.0),
             at_least("slides looked at", slides, 7000),
         ),
         naive=(
             at_least(
-                "sign of the gap: share of the first 1e-5 rad in which it is closed again",
+                "sign of the gap: fraction of the first 1e-5 rad in which it is closed again",
                 naive.false_contacts(0.3, 10_001),
                 0.05,
             ),
@@ -76,8 +84,10 @@ def take_off() -> Outcome:
     )
 
 
-def reversal() -> Outcome:
-    """A block on a rough floor about eta = .537, where it begins to stick, and about 1, where it stops to slide."""
+def reversal() -> CaseOutcome:
+    """A block on a rough floor near eta = .537, where it begins to stick, and near 1, where it
+    ceases to slide.
+    """
     near = [10.0**-k for k in range(1, 13)]
     etas = [STUCK, *(STUCK * (1 + d) for d in near), *(STUCK * (1 - d) for d in near), *(1 - d for d in near)]
     absolute, relative = 0.0, 0.0
@@ -89,10 +99,10 @@ def reversal() -> Outcome:
         if exact > 1e-3:
             relative = max(relative, abs(found / exact - 1.0))
     above = max(steady(eta, 1e6)[0] for eta in (1.0, *(1 + d for d in near), 1.0 + 2.3e-16, 5.0))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("relative error of W, 40 digits, W > 1e-3 m V²", relative, 1e-9),
-            # where W falls to 1e-30 it is the round-off of positions near 1 that counts
+            # Where W falls to 1e-30, the round-off of positions near 1 dominates.
             at_most("error of W, units of m V², 1 - eta down to 1e-12", absolute, 1e-9),
             exactly("W at and above eta = 1", above, 0.0),
         ),
@@ -111,8 +121,10 @@ def reversal() -> Outcome:
     )
 
 
-def at_the_peak() -> Outcome:
-    """A threshold equal to the waveform's peak, one bit below and above it, pure and with harmonics; Gamma = 1.0001."""
+def at_the_peak() -> CaseOutcome:
+    """A threshold equal to the waveform's peak, one bit below and above it, pure and with
+    harmonics; Gamma = 1.0001.
+    """
     waves: tuple[Wave, ...] = (
         SINE,
         (np.array([1.0, 0.0, 0.2]), np.array([0.0, 0.0, -0.1])),
@@ -133,19 +145,21 @@ def at_the_peak() -> Outcome:
     with precise():
         exact = float(block(Decimal(band)))
     found, _ = steady(band, 1e3)
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("W at the peak and above", at_peak, 0.0),
             at_most("W one bit below the peak", below, 1e-15),
             exactly("finite, not negative, of 48 thresholds below the peak", finite, 48.0),
-            # W = 7e-8 there: round-off of positions near 1, 2e-16, over a slip of 4e-8
+            # W = 7e-8 there: the round-off of positions near 1, 2e-16, over a slip of 4e-8.
             at_most("level 1.0001 of the threshold: relative error of W, 40 digits", abs(found / exact - 1.0), 1e-7),
         )
     )
 
 
-def vanishing_play() -> Outcome:
-    """Plays from .1 X down to 1e-16 X: W_f = 2 band play and what is left of the hits, of order play^(4/3)."""
+def vanishing_play() -> CaseOutcome:
+    """Plays from .1 X down to 1e-16 X: W_f = 2 band play, and the energy of the hits, of order
+    play^(4/3).
+    """
     rubbed, collided, energy, play_of = 0.0, 0.0, 0.0, [10.0**-k for k in range(1, 17)]
     for band in (0.0, 0.1, 0.5, 0.9):
         for play in play_of:
@@ -170,11 +184,12 @@ def vanishing_play() -> Outcome:
             layers_total(np.zeros(1), np.array([[play * 10.0 / (40.0 * np.pi) ** 2]]), 1.0, 1.0, 10.0, 20.0)
         except TooManyEvents:
             refused += 1
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("relative error of W_f down to 1e-16 X", rubbed, 1e-14),
             at_most("error of W_c, units of m V², 40 digits", collided, 1e-14),
-            # the gap is a difference of positions near 1: 2e-16 over play 1e-9 is 2e-7 of the gap
+            # The gap is a difference of positions near 1: 2e-16 over a play of 1e-9 is 2e-7 of the
+            # gap.
             at_most("relative error of W down to 1e-9 X", energy, 1e-6),
             exactly("e = 1, mu = 0 in 1e-6 and 1e-9 X: refused by name (TooManyEvents), of 2", refused, 2.0),
         )

@@ -1,4 +1,6 @@
-"""One row of bed `layers` by itself, units of the waveform, and what a block on a rough floor loses in 40 digits."""
+"""A single row of bed `layers` in units of the waveform, and the loss of a block on a rough floor
+in 40 digits.
+"""
 
 import math
 from decimal import Decimal
@@ -17,11 +19,13 @@ Wave = tuple[Array, Array]
 
 SINE: Wave = (np.ones(1), np.zeros(1))
 STUCK = 2.0 / math.sqrt(4.0 + math.pi**2)
-"""eta from which a block on a rough floor sticks twice per cycle: 0.537."""
+"""eta above which a block on a rough floor sticks twice per cycle: 0.537."""
 
 
 class Happened(NamedTuple):
-    """What starts at each event of a cycle: phase, mode, velocity in the laboratory, shape (events,)."""
+    """The motion that begins at each event of a cycle: phase, mode, velocity in the laboratory,
+    shape (events,).
+    """
 
     phase: Array
     mode: NDArray[np.int64]
@@ -29,7 +33,7 @@ class Happened(NamedTuple):
 
 
 def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> RowSet:
-    """A single row on a waveform."""
+    """Return a single row on a waveform."""
     bands = np.array([band])
     return RowSet(
         np.zeros(1, np.int64), np.array([play]), restitution, bands, crossings(bands, *wave, extrema(*wave)).tables
@@ -37,7 +41,9 @@ def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> 
 
 
 def followed(rows: RowSet, cycles: int, wave: Wave = SINE) -> tuple[list[RowCycle], list[Happened]]:
-    """A single row from rest at u = 0: what each cycle gave, and its events; shorter where it was given up."""
+    """Follow a single row from rest at u = 0; return (result, events) of each cycle, fewer where it
+    was given up.
+    """
     mode, u, z = 0, 0.0, 0.0
     ends, happened, room = [], [], no_events()
     for _ in range(cycles):
@@ -54,20 +60,23 @@ def followed(rows: RowSet, cycles: int, wave: Wave = SINE) -> tuple[list[RowCycl
 def steady(
     band: float, play: float, restitution: float = 0.0, average: int = 64, wave: Wave = SINE
 ) -> tuple[float, int]:
-    """Loss per cycle of a row in its steady state, and its period."""
+    """Return (loss per cycle of a row in its steady state, its period)."""
     friction, collision, period = steady_energy(one_row(band, play, restitution, wave), *wave, average)
     return float(friction[0] + collision[0]), int(period[0])
 
 
 def block(eta: Decimal) -> Decimal:
-    """W of a block on a rough floor, 40 digits: sliding throughout below .537, one slide per half cycle above."""
+    """Return W of a block on a rough floor, 40 digits: sliding throughout below .537, one slide per
+    half cycle above.
+    """
     edge = 1 / (1 + PI * PI / 4).sqrt()
     if eta >= 1:
         return Decimal(0)
     if eta <= edge:
         return 4 * eta * (1 - (PI * eta / 2) ** 2).sqrt()
     flight = Flight(arcsine(eta), Decimal(0), Decimal(0), eta)
-    # the push ends at pi - t0, the slide later; it starts as (t - t0)^2, so the search starts where it is fastest
+    # The push ends at pi - t0, the slide later. Its velocity starts as (t - t0)^2, near zero, so
+    # the search starts where it is largest.
     at = PI - flight.t0
     while flight.velocity(at) > 0:
         at += (PI / 2 - flight.t0) / 8
@@ -76,6 +85,7 @@ def block(eta: Decimal) -> Decimal:
 
 
 def _between(flight: Flight, low: Decimal, high: Decimal) -> Decimal:
+    """Return the zero of a flight's velocity by bisection."""
     for _ in range(130):
         middle = (low + high) / 2
         low, high = (middle, high) if flight.velocity(middle) > 0 else (low, middle)
@@ -83,4 +93,5 @@ def _between(flight: Flight, low: Decimal, high: Decimal) -> Decimal:
 
 
 def closed_form(eta: float) -> float:
+    """Return W of a block that slides throughout, eta below .537."""
     return 4.0 * eta * math.sqrt(1.0 - (math.pi * eta / 2.0) ** 2)

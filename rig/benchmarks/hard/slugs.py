@@ -1,5 +1,7 @@
-"""Hard cases of bed `slug`: `rig.kernels.single_mass.many_cycles`, units of the waveform (m (A/w)^2 for energies, A/g
-for levels)."""
+"""Hard cases of bed `slug`: `rig.kernels.single_mass.many_cycles`.
+
+Units of the waveform: m (A/w)^2 for energies, A/g for levels.
+"""
 
 import math
 from dataclasses import replace
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from daq.random_streams import stream
 from rig.benchmarks.hard import naive
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, exactly, no_more
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, bounces, cosine_and_sine, precise, root, slug_on_floor
 from rig.benchmarks.hard.sliders import STUCK, block
 from rig.kernels.single_mass.many_cycles import MassCycles, MeanCycle, run, steady
@@ -29,21 +31,21 @@ INF = math.inf
 
 
 def settled(weight: float, lid: float = INF, e: float = 0.0, band: float = 0.0, low: float = 0.0) -> MeanCycle:
-    """Mean cycle of a slug that starts at rest on the floor."""
+    """Return the mean cycle of a slug that starts at rest on the floor."""
     return steady(REST, *world(weight, band, low, lid, e, *SINE), *SINE)
 
 
 def lost(found: MeanCycle) -> float:
-    """W per cycle."""
+    """Return W per cycle."""
     return found.friction + found.collision
 
 
 def followed(weight: float, cycles: int, lid: float = INF, e: float = 0.0, start: State = REST) -> MassCycles:
-    """Cycle by cycle."""
+    """Follow a slug cycle by cycle."""
     return run(start, *world(weight, 0.0, 0.0, lid, e, *SINE), *SINE, cycles)
 
 
-def barely() -> Outcome:
+def barely() -> CaseOutcome:
     """Gamma = 1, a little below and above it."""
     worst = 0.0
     for level in (1.0001, 1.001, 1.01, 1.1):
@@ -54,7 +56,7 @@ def barely() -> Outcome:
     finite = [lost(settled(1.0 / level)) for level in (1.0, *(1.0 + 10.0**-k for k in range(5, 16)))]
     below = max(lost(settled(1.0 / level)) for level in (0.1, 0.9, 0.999999, float(np.nextafter(1.0, 0.0))))
     coarse = naive.slug(1.01, 1000, 3) / lost(settled(1.0 / 1.01)) - 1.0
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("relative error of W, 1.0001 to 1.1, 40 digits", worst, 1e-9),
             exactly("W below Gamma = 1", below, 0.0),
@@ -65,8 +67,10 @@ def barely() -> Outcome:
     )
 
 
-def grazing() -> Outcome:
-    """Both edges of the first locking band: landing as the floor begins to push off; the orbit that doubles."""
+def grazing() -> CaseOutcome:
+    """Both edges of the first locking band: landing as the floor begins to push off; the orbit that
+    doubles.
+    """
     low, high = math.sqrt(1.0 + math.pi**2), math.sqrt(4.0 + math.pi**2)
     single, period, slow, reported = 0.0, 0, 0.0, 0.0
     for d in (-1e-2, -1e-6, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-6, 1e-2):
@@ -85,20 +89,21 @@ def grazing() -> Outcome:
         slow = max(slow, error if found.period == 0 else 0.0)
         reported = max(reported, error if found.period == 1 else 0.0)
     beyond = settled(1.0 / (high + 1e-2)).period
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("about 3.2969: relative error of W, closed form and 40 digits", single, 1e-9),
             exactly("orbits there whose period is not 1, of 9", period, 0.0),
             at_most("below 3.7242, period 1 reported: relative error of W, closed form", reported, 1e-9),
-            # at the edge itself the orbit is approached as a power of n: no period is found, which the result says
+            # At the edge itself the orbit is approached as a power of n: no period is found, and
+            # the result states that.
             at_most("at 3.7242, no period reported: relative error of W", slow, 1e-4),
             exactly("period at 3.7242 + .01", beyond, 2.0),
         )
     )
 
 
-def subharmonic() -> Outcome:
-    """Periods of 2 to 18 cycles: one period in 40 digits, from the state that was found, comes back to it."""
+def subharmonic() -> CaseOutcome:
+    """Periods of 2 to 18 cycles: one period in 40 digits from the computed state returns to it."""
     back, energy, single, periods = 0.0, 0.0, 0.0, set()
     for level in (4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 20.0):
         weight = 1.0 / level
@@ -111,7 +116,7 @@ def subharmonic() -> Outcome:
         back = max(back, abs(float(after.u) - q), abs(float(after.z) - u))
         energy = max(energy, abs(lost(found) / float(total) - 1.0))
         single = max(single, *(abs(float(x / total) - 1.0) for x in after.lost))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_least("different periods above 1", len(periods - {1}), 4.0),
             at_most("state after one period less the state before, 40 digits", back, 1e-9),
@@ -121,8 +126,8 @@ def subharmonic() -> Outcome:
     )
 
 
-def zeno() -> Outcome:
-    """A slug dropped onto a floor below Gamma = 1, e = .1 to .9: all bounces until it lies still."""
+def zeno() -> CaseOutcome:
+    """A slug dropped onto a floor below Gamma = 1, e = .1 to .9: all bounces until rest."""
     energy, most = 0.0, 0
     for e, weight, height in product((0.1, 0.5, 0.9), (1.05, 4.0), (0.01, 2.0)):
         with precise():
@@ -135,7 +140,7 @@ def zeno() -> Outcome:
         energy = max(energy, abs(cycles.state[-1, 0]))
         most = max(most, int(cycles.counts[:, 0].max()))
     never = followed(1.5, 2000, e=1.0, start=State(1, 2.0, 0.0))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("relative error of the energy lost until rest, 40 digits", energy, 1e-9),
             no_more("events in a cycle", most, MAX_EVENTS),
@@ -145,8 +150,10 @@ def zeno() -> Outcome:
     )
 
 
-def gaps() -> Outcome:
-    """A lid that is just touched, just missed, or on top of the slug; no weight and gaps from pi down to 1e-15."""
+def gaps() -> CaseOutcome:
+    """A lid just touched, just missed, or directly on the slug; no weight and gaps from pi down to
+    1e-15.
+    """
     weight = 1.0 / 2.5
     free = settled(weight)
     flight = followed(weight, 8)
@@ -162,10 +169,10 @@ def gaps() -> Outcome:
             exact = float((1 - cosine_and_sine(t)[0]) ** 2)
         worst = max(worst, abs(lost(settled(0.0, gap)) / exact - 1.0))
     assert len(flight.state) == 8
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("lid at 1 + 1e-12 of the apex: relative change of W", missed, 1e-12),
-            # a lid at 1 - d of the apex is hit at sqrt(2 g d h), which is 1e-6 of the speed
+            # A lid at 1 - d of the apex is hit at sqrt(2 g d h), which is 1e-6 of the speed.
             at_most("lid at 1 - 1e-12 of the apex: relative change of W", touched, 1e-4),
             exactly("W without a gap", still, 0.0),
             at_most("no weight, gaps pi to 1e-15: relative error of W, 40 digits", worst, 1e-9),
@@ -173,8 +180,8 @@ def gaps() -> Outcome:
     )
 
 
-def reversal() -> Outcome:
-    """A block on a rough floor without walls, the same law as the rows' in another kernel."""
+def reversal() -> CaseOutcome:
+    """A block on a rough floor without walls: the same law as for rows in another kernel."""
     near = [10.0**-k for k in range(1, 13)]
     relative, absolute = 0.0, 0.0
     for eta in (STUCK, *(STUCK * (1 + d) for d in near), *(STUCK * (1 - d) for d in near), *(1 - d for d in near)):
@@ -184,7 +191,7 @@ def reversal() -> Outcome:
         absolute = max(absolute, abs(found - exact))
         relative = max(relative, abs(found / exact - 1.0) if exact > 1e-12 else 0.0)
     above = sum(lost(settled(0.0, INF, band=eta, low=-INF)) for eta in (1.0, *(1 + d for d in near), 5.0))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("relative error of W, 40 digits, W > 1e-12 m V²", relative, 1e-9),
             at_most("error of W, units of m V², 1 - eta down to 1e-12", absolute, 1e-12),
@@ -193,8 +200,10 @@ def reversal() -> Outcome:
     )
 
 
-def touching() -> Outcome:
-    """Friction equal to an extremum of a waveform with up to four harmonics, and 1 to 3 bits beside it: 1000 slugs."""
+def touching() -> CaseOutcome:
+    """Friction equal to an extremum of a waveform with up to four harmonics, and 1 to 3 bits beside
+    it: 1000 slugs.
+    """
     rng = stream(SEED, "hard", "touching")
     closure, most = 0.0, 0.0
     for k in range(1000):
@@ -209,7 +218,7 @@ def touching() -> Outcome:
         left = found.energy[:, :3] @ [1.0, -1.0, -1.0] - np.diff(found.energy[:, 3], prepend=first)
         closure = max(closure, float(np.abs(left).max()))
         most = max(most, float(found.energy[:, 1:3].sum(axis=1).max()))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             at_most("energy that does not close in a cycle, m V²", closure, 1e-12),
             no_more("energy lost in a cycle, m V²", most, 20.0),
@@ -217,35 +226,39 @@ def touching() -> Outcome:
     )
 
 
-def ceiling() -> Outcome:
-    """No lid: the mean force is m g and the box moves at V at most, so that W <= m g V/f, whatever the orbit."""
+def ceiling() -> CaseOutcome:
+    """No lid: the mean force is m g and the box moves at V at most, so that W <= m g V/f for any
+    orbit.
+    """
     over, reached = -INF, 0.0
     for e in (0.0, 0.3, 0.6, 0.9):
         for level in np.geomspace(1.001, 50.0, 120):
             found = steady(REST, *world(1.0 / level, 0.0, 0.0, INF, e, *SINE), *SINE, 256, 512)
             ratio = lost(found) * level / (2.0 * math.pi)
             over, reached = max(over, ratio - 1.0), max(reached, ratio)
-    return Outcome(
+    return CaseOutcome(
         measured=(
-            at_most("W beyond m g V/f, as a share, 480 slugs", over, 0.0),
+            at_most("W beyond m g V/f, as a fraction, 480 slugs", over, 0.0),
             at_least("of it reached", reached, 0.99),
         )
     )
 
 
-def too_often() -> Outcome:
-    """e near 1 in a tiny gap: a named error before it lasts."""
+def too_often() -> CaseOutcome:
+    """e near 1 in a tiny gap: a named error before it takes long."""
     named, slug = 0, SingleMass(1.0, 0.0, 1e-15, 0.0, 0.0, 1.0, 0.0, 0.0)
     for e, gap in ((1.0, 1e-15), (0.9999, 1e-15), (1.0, 1e-12)):
         try:
             slug_total(replace(slug, high=gap, restitution=e), 5.0, 20.0)
         except TooManyEvents:
             named += 1
-    return Outcome(measured=(exactly("refused by name (TooManyEvents), of 3", named, 3.0),))
+    return CaseOutcome(measured=(exactly("refused by name (TooManyEvents), of 3", named, 3.0),))
 
 
-def neighbourhood() -> Outcome:
-    """500 random slugs, 10 cycles each: weight, friction or neither, gaps 1e-2 to 1e3, e 0 to 1, starts in the air."""
+def neighbourhood() -> CaseOutcome:
+    """500 random slugs, 10 cycles each: weight, friction or neither, gaps 1e-2 to 1e3, e 0 to 1,
+    starts in the air.
+    """
     rng = stream(SEED, "hard", "slugs")
     gone, outside, negative, closure, most, refused = 0, 0.0, 0.0, 0.0, 0, 0
     for _ in range(500):
@@ -270,12 +283,12 @@ def neighbourhood() -> Outcome:
         left = found.energy[:, :3] @ [1.0, -1.0, -1.0] - np.diff(found.energy[:, 3], prepend=first)
         closure = max(closure, float(np.abs(left).max() / max(1.0, np.abs(found.energy).max())))
         most = max(most, int(found.counts[:, 0].max()))
-    return Outcome(
+    return CaseOutcome(
         measured=(
             exactly("slugs with a value that is not finite", gone, 0.0),
             exactly("position outside the gap", max(outside, 0.0), 0.0),
             at_most("most negative loss, m V²", negative, 0.0),
-            at_most("energy that does not close in a cycle, as a share of the largest", closure, 1e-9),
+            at_most("energy that does not close in a cycle, as a fraction of the largest", closure, 1e-9),
             no_more("events in a cycle", most, MAX_EVENTS),
             no_more("slugs refused for their events, of 500", refused, 0.0),
         )
@@ -283,7 +296,7 @@ def neighbourhood() -> Outcome:
 
 
 def _apex(weight: float) -> float:
-    """Largest height of the plastic slug's flight over the floor, 40 digits."""
+    """Return the largest height of the plastic slug's flight over the floor, 40 digits."""
     with precise():
         c = Decimal(weight)
         start = root(lambda t: cosine_and_sine(t)[1] - c, Decimal(0), PI / 2)

@@ -1,9 +1,9 @@
-"""All hard cases, in the order of the stability page; each is run once in a process."""
+"""All hard cases, in the order of the stability page; each runs once per process."""
 
 from functools import cache
 
 from rig.benchmarks.hard import beds, chains, coupled, ledgers, orbits, pairs, rows, slugs
-from rig.benchmarks.hard.case import Case, Outcome
+from rig.benchmarks.hard.case import Case, CaseOutcome
 
 GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
     ("Collision of a pair", pairs.CASES),
@@ -19,6 +19,6 @@ CASES: tuple[Case, ...] = tuple(case for _, cases in GROUPS for case in cases)
 
 
 @cache
-def outcome(name: str) -> Outcome:
-    """What the case of a name gave."""
+def outcome(name: str) -> CaseOutcome:
+    """Return the outcome of the case with a name."""
     return next(case for case in CASES if case.name == name).run()

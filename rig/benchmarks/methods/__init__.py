@@ -1,4 +1,4 @@
-"""The integrators of the comparison: one file each, one line here."""
+"""The integrators compared: one file each, one line here."""
 
 from pathlib import Path
 

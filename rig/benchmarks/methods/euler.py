@@ -1,4 +1,7 @@
-"""Semi-implicit Euler, first order, fixed step; compiled. Impacts and stops fall on the end of their step."""
+"""Semi-implicit Euler, first order, fixed step, compiled.
+
+Impacts and stops happen at the end of their step.
+"""
 
 import math
 
@@ -15,13 +18,15 @@ def _run(
     band: float, play: float, restitution: float, gravity: float, u: float, z: float, sine: Array, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
-    """Velocity first, friction capped at standstill; then the place, cut at the walls.
+    """Update the velocity, with friction capped at standstill, then the position, clipped to the
+    walls.
 
-    A wall costs energy only where the mass was off it before: pressed on, it is stopped in every step again. A rebound
-    slower than the push of one step ends there.
+    A wall costs energy only if the mass was off it before: a mass pressed on is stopped anew in
+    every step. A rebound slower than the velocity change of one step ends there.
     """
     steps = sine.size
     h = TWO_PI / steps
+    # The largest velocity change by the push in one step.
     least = h * (1.0 + gravity)
     grip = h * band
     energy, events = 0.0, 0
@@ -29,6 +34,7 @@ def _run(
         lost = 0.0
         for n in range(steps):
             z += h * (sine[n] - gravity)
+            # Friction cannot reverse a velocity: within its impulse the mass stops.
             if abs(z) <= grip:
                 z = 0.0
             else:

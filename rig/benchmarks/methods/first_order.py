@@ -1,4 +1,4 @@
-"""Steppers of fixed step and first order, under the name of a method of the comparison; their sines from a table."""
+"""Fixed-step methods of first order as methods of the comparison, with their sines from a table."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -18,13 +18,16 @@ Run = Callable[..., tuple[float, int, int, int, int, float, float]]
 
 @lru_cache
 def sines(steps: int, place: float) -> Array:
-    """The drive in every step of a cycle, at a fraction `place` of it."""
+    """Return the drive in every step of a cycle, evaluated at the fraction `place` of the step."""
     return np.asarray(np.sin(2.0 * np.pi / steps * (np.arange(steps) + place)))
 
 
 def first_order(name: str, run: Run, place: float) -> Method:
-    """run(band, play, restitution, gravity, u, z, sine, settle, average) -> the fields of `Work`; sine: `sines` at
-    `place`, where the method evaluates the drive."""
+    """Return a method from its compiled loop.
+
+    run(band, play, restitution, gravity, u, z, sine, settle, average) returns the fields of `Work`;
+    sine: `sines` at `place`, the fraction of a step at which the method evaluates the drive.
+    """
 
     def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
         _, u, z = slider.start

@@ -1,7 +1,8 @@
-"""scipy's solve_ivp with terminal events, started again at each; the events as its documentation has them.
+"""scipy's solve_ivp with terminal events, restarted at each, the events as in its documentation.
 
-Given for nothing, as a good user would: a mass at rest is not integrated (its start is an arcsine), friction work is
-band |du|, and a wall counts only while the mass closes on it, so that no lift-off is taken for an impact.
+Helped as a good user would: a mass at rest is not integrated (its start is an arcsine), friction
+work is band |du|, and a wall counts only while the mass closes on it, so that no lift-off is taken
+for an impact.
 """
 
 import math
@@ -18,11 +19,11 @@ LARGEST = 1.0
 """Largest step, rad: a longer one may jump over an event, whatever its tolerance."""
 
 STUCK = 200
-"""Stretches per cycle at which the method gives up."""
+"""Integrations per cycle after which the method gives up."""
 
 
 def solve(method: str, slider: Slider, setting: float, settle: int, average: int) -> Work:
-    """`setting` is rtol; atol is a hundredth of it."""
+    """Follow a slider with rtol = `setting` and atol a hundredth of it."""
     t, (mode, u, z) = 0.0, slider.start
     lost = [0.0] * (settle + average)
     events, rhs, steps, stretches = 0, 0, 0, 0
@@ -39,6 +40,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
         def slope(t: float, y: tuple[float, float], pull: float = pull) -> tuple[float, float]:
             return y[1], math.sin(t) - pull
 
+        # One cycle at a time, because the loss is counted by cycles.
         found = solve_ivp(
             slope, (t, TWO_PI * (cycle + 1)), (u, z), method, events=_events(slider, mode, t), rtol=setting,
             atol=0.01 * setting, max_step=LARGEST,
@@ -56,6 +58,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
         if low or high:
             u = 0.0 if low else slider.play
             back = -slider.restitution * z
+            # Without a cut-off the bounces would not end.
             back = 0.0 if abs(back) < CHATTER else back
             lost[cycle] += 0.5 * (z * z - back * back)
             z, mode = back, 0 if back == 0.0 else int(math.copysign(1, back))
@@ -67,9 +70,11 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
 
 
 def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, object]:
-    """Arrival at the floor, at the lid, and standstill against friction.
+    """Return the terminal events: arrival at the floor, at the lid, and standstill against
+    friction.
 
-    A slide begins at standstill: where its first step ends behind the next one, the root search would find the start.
+    `stop` is disabled at the start of a slide, which is a standstill too: the root search would
+    find it.
     """
 
     def floor(_: float, y: tuple[float, float]) -> float:
@@ -81,15 +86,19 @@ def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, ob
     def stop(t: float, y: tuple[float, float]) -> float:
         return mode * y[1] if slider.band > 0.0 and t > start else 1.0
 
+    # solve_ivp reads these attributes of the functions.
     for event in (floor, lid, stop):
         vars(event).update(terminal=True, direction=-1)
     return floor, lid, stop
 
 
 def _start(t: float, u: float, slider: Slider, end: float) -> tuple[float, int]:
-    """Next phase at which a mass at rest is thrown, and where to; the end and 0 for never."""
+    """Return the next phase at which a mass at rest is thrown, and the direction; (end, 0) for
+    never.
+    """
     push, rising = math.sin(t) - slider.gravity, math.cos(t) > 0.0
     up, down = slider.gravity + slider.band, slider.gravity - slider.band
+    # A push within round-off of the friction limit starts a slide only if it grows.
     round_off = 1e-12
     can_rise, can_fall = u < slider.play and up < 1.0, u > 0.0 and down > -1.0
     if can_rise and (push > slider.band + round_off or (abs(push - slider.band) <= round_off and rising)):
@@ -106,7 +115,7 @@ def _start(t: float, u: float, slider: Slider, end: float) -> tuple[float, int]:
 
 
 def _after(phase: float, t: float) -> float:
-    """The first phase + 2 pi k that lies behind t."""
+    """Return the first phase + 2 pi k later than t."""
     return phase + TWO_PI * (math.floor((t - phase) / TWO_PI + 1e-13) + 1)
 
 

@@ -1,4 +1,4 @@
-"""What a method of the comparison is, and what it gives back."""
+"""The interface of a method of the comparison, and its result."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,10 +8,12 @@ from rig.benchmarks.problems.sliders import Slider
 
 
 class Work(NamedTuple):
-    """Energy lost per cycle, m V^2 (mean over the cycles behind `settle`), and the work done in all cycles.
+    """Energy lost per cycle, m V^2 (mean over the cycles after `settle`), and the work done in all
+    cycles.
 
-    events : impacts, stops and starts; rhs : evaluations of the right-hand side, sin(theta) - gravity; steps : of the
-    integrator; roots : iterations towards an event's phase; u, z : place and velocity behind the last cycle
+    events: impacts, stops and starts. rhs: evaluations of the right-hand side, sin(theta) -
+    gravity. steps: of the integrator. roots: iterations for the phases of events. u, z: position
+    and velocity after the last cycle.
     """
 
     energy: float
@@ -24,16 +26,16 @@ class Work(NamedTuple):
 
 
 class Failed(ArithmeticError):
-    """A method cannot solve a problem; the message says why."""
+    """A method cannot solve a problem; the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Method:
     """An integrator with its ladder of settings, coarse to fine.
 
-    group : "ours", "compiled" or "solve_ivp"; knob : what the settings are; solve(slider, setting, settle, average) :
-    follows a slider through settle + average cycles; raises `Failed`
-    order : by which the error falls with the step, None where a setting is a tolerance
+    group: "ours", "compiled" or "solve_ivp". knob: meaning of a setting. solve(slider, setting,
+    settle, average): follows a slider through settle + average cycles; raises `Failed`. order:
+    convergence order in the step, None where a setting is a tolerance.
     """
 
     name: str

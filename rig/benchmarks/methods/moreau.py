@@ -1,7 +1,9 @@
-"""Moreau's time stepping at the midpoint: contact and friction as inclusions on velocities, no event located; compiled.
+"""Moreau's time stepping at the midpoint, compiled: contact and friction as inclusions on
+velocities, no event located.
 
-Source: J. J. Moreau, Numerical aspects of the sweeping process, Comput. Methods Appl. Mech. Eng. 177 (1999) 329; with
-Newton's impact law as in V. Acary and B. Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), ch. 10.
+Source: J. J. Moreau, Numerical aspects of the sweeping process, Comput. Methods Appl. Mech. Eng.
+177 (1999) 329; with Newton's impact law as in V. Acary and B. Brogliato, Numerical Methods for
+Nonsmooth Dynamical Systems (2008), ch. 10.
 """
 
 import math
@@ -19,7 +21,9 @@ def _run(
     band: float, play: float, restitution: float, gravity: float, u: float, z: float, sine: Array, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
-    """Contacts are those that the midpoint u + h z/2 has reached; there z -> max(z_free, -e z), mirrored at the lid."""
+    """Step with contacts active where the midpoint u + h z/2 has reached a wall; there z ->
+    max(z_free, -e z), mirrored at the lid.
+    """
     steps = sine.size
     h = TWO_PI / steps
     grip = h * band

@@ -1,4 +1,5 @@
-"""The rig's own way: from event to event, closed form between them, phases by safeguarded Newton and Halley steps.
+"""The rig's own method: event by event, closed form in between, phases by safeguarded Newton and
+Halley steps.
 
 Sliders are the rows of bed `layers` (rig.kernels.rows.one_row), masses with weight the slug
 (rig.kernels.single_mass.one_cycle).
@@ -21,7 +22,7 @@ from rig.kernels.waveform import Array, crossings, extrema
 
 
 def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  # noqa: ARG001  there is no setting
-    """Every cycle simulated, as by the other methods: the rig itself stops where a state recurs."""
+    """Simulate every cycle, as the other methods do; the rig itself stops where a state recurs."""
     sine, cosine = np.ones(1), np.zeros(1)
     if slider.gravity > 0.0:
         upper = slider.play if slider.play < WIDE else math.inf
@@ -43,6 +44,9 @@ def _row(
     band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
     room: NDArray[np.void], settle: int, average: int,
 ) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+    """Follow a row through all cycles; return the fields of `Work`, events -1 where there are too
+    many to follow.
+    """
     energy, events, roots = 0.0, 0, 0
     table, P, Q = borrowed(table), borrowed(P), borrowed(Q)
     event = borrowed(room)[0]
@@ -63,6 +67,7 @@ def _slug(
     mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
     average: int,
 ) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+    """Follow a slug as `_row` follows a row."""
     harmonics = np.empty((2, P.shape[0]))
     table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
     room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))

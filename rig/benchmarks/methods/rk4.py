@@ -1,9 +1,10 @@
-"""Classical Runge-Kutta of order 4 with impacts, stops and starts located inside the step; compiled.
+"""Classical Runge-Kutta of order 4 with impacts, stops and starts located inside the step,
+compiled.
 
-A stretch between two events is smooth, so that the order holds if an event's phase is as exact as the step: it is
-found by Newton's method on the step itself taken to a fraction, and a shorter step from there leads back to the grid,
-whose sines come from a table. A wall is hit only by a mass that closes on it: behind a lift-off the gap grows like t^3,
-and round-off alone would fake an impact.
+The motion between two events is smooth, so that the order holds if an event's phase is as exact as
+the step. It is found by Newton's method on a partial step, and a shorter step leads from there back
+to the grid, whose sines come from a table. A wall is hit only by a mass that closes on it: after a
+lift-off the gap grows like t^3, and round-off alone would fake an impact.
 """
 
 import math
@@ -21,14 +22,14 @@ TWO_PI = 2.0 * math.pi
 CHATTER = 1e-6
 CONVERGED = 1e-13
 ROUND_OFF = 1e-14
-"""Length of a step to the grid, rad, below which none is taken."""
+"""Distance to the grid, rad, below which no step is taken."""
 
 STUCK = 1_000_000
-"""Events in one cycle at which the method gives up."""
+"""Events in one cycle after which the method gives up."""
 
 
 def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
-    """`setting` steps per cycle."""
+    """Follow a slider with `setting` steps per cycle."""
     found = _run(
         slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
         average,
@@ -37,8 +38,12 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
 
 
 def solve_steady(slider: Slider, setting: float, settle: int, average: int) -> tuple[Work, int]:
-    """The same, but followed no longer than until a state recurs, as the rig does it: the mean over that period then.
-    Also the period in cycles, 0 where none was found in settle + average of them."""
+    """Return (work, period in cycles), following a slider only until a state recurs, as the rig
+    does.
+
+    The energy is then the mean over that period; period 0 where none was found in settle + average
+    cycles.
+    """
     found = _steady(
         slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
         average,
@@ -54,19 +59,21 @@ def _checked(found: Work) -> Work:
 
 @lru_cache
 def sines(steps: int) -> Array:
-    """The drive at the edges and in the middle of every step of a cycle."""
+    """Return the drive at the edges and in the middle of every step of a cycle."""
     return np.asarray(np.sin(math.pi / steps * np.arange(2 * steps + 1)))
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _step(t: float, h: float, u: float, z: float, f: float, pull: float) -> tuple[float, float, float]:
-    """One step of u'' = sin(t) - pull from (u, z), with f the right-hand side at t; also the one at its end."""
+    """Return (u, z, right-hand side) after one step of u'' = sin(t) - pull from (u, z); f:
+    right-hand side at t.
+    """
     return _stepped(h, u, z, f, math.sin(t + 0.5 * h) - pull, math.sin(t + h) - pull)
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _stepped(h: float, u: float, z: float, f: float, middle: float, end: float) -> tuple[float, float, float]:
-    """The same from the right-hand sides in the middle and at the end."""
+    """Return the result of `_step` from the right-hand sides in the middle and at the end."""
     return u + h * z + h * h / 6.0 * (f + 2.0 * middle), z + h / 6.0 * (f + 4.0 * middle + end), end
 
 
@@ -74,11 +81,14 @@ def _stepped(h: float, u: float, z: float, f: float, middle: float, end: float) 
 def _located(
     t: float, h: float, u: float, z: float, f: float, pull: float, level: float, sign: float, stop: bool
 ) -> tuple[float, int]:
-    """Share of a step after which z (a stop) or u - level (a wall) has lost the sign it starts with; iterations."""
+    """Return the time within [0, h] at which z (a stop) or u - level (a wall) changes sign, and the
+    iterations.
+    """
     low, high = 0.0, h
     u_end, z_end, _ = _step(t, h, u, z, f, pull)
     at_low = sign * z if stop else sign * (level - u)
     at_high = sign * z_end if stop else sign * (level - u_end)
+    # Secant as the first guess, then Newton steps kept inside the bracket.
     guess = h * at_low / (at_low - at_high) if at_low > at_high else h
     for n in range(1, 60):
         u_new, z_new, force = _step(t, guess, u, z, f, pull)
@@ -101,7 +111,11 @@ def _located(
 def _start(
     t: float, h: float, at_low: float, at_high: float, level: float, sign: float, gravity: float
 ) -> tuple[float, int]:
-    """Share of a step after which sign (sin(t) - gravity) rises through `level`, from its excess at both ends."""
+    """Return the time within [0, h] at which sign (sin(t) - gravity) rises through `level`, and the
+    iterations.
+
+    at_low, at_high: its excess over the level at both ends.
+    """
     low, high = 0.0, h
     guess = h * at_low / (at_low - at_high)
     for n in range(1, 60):
@@ -125,7 +139,12 @@ def _run(
     band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
     settle: int, average: int,
 ) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
-    """sine : `sines` of the grid. A step ends at its edge `n`, and begins at the one before or behind an event."""
+    """Follow a slider through all cycles; return the fields of `Work` and the mode, events -1 where
+    they do not end.
+
+    sine: `sines` of the grid. A step ends at the grid edge `n`; it begins at edge n - 1, or after
+    an event in between (not `whole`). known: f holds the right-hand side at the beginning.
+    """
     steps = (sine.size - 1) // 2
     length = TWO_PI / steps
     energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
@@ -135,9 +154,11 @@ def _run(
         limit = events + STUCK
         while n <= steps:
             h = length if whole else n * length - t
+            # An event on the grid itself: go on from the grid point.
             if h <= ROUND_OFF:
                 t, n, whole, known = n * length, n + 1, True, False
                 continue
+            # At rest: look for the start of a slide in this step.
             if mode == 0:
                 if not known:
                     f = (sine[2 * n - 2] if whole else math.sin(t)) - gravity
@@ -152,18 +173,19 @@ def _run(
                 elif (push < -band or (push == -band and later < -band)) and u > 0.0:
                     mode = -1
                 elif later > band and u < play:
-                    share, count = _start(t, h, push - band, later - band, band, 1.0, gravity)
-                    t, whole, mode, roots = t + share, False, 1, roots + count
+                    wait, count = _start(t, h, push - band, later - band, band, 1.0, gravity)
+                    t, whole, mode, roots = t + wait, False, 1, roots + count
                     rhs += 2 * count
                 elif later < -band and u > 0.0:
-                    share, count = _start(t, h, -push - band, -later - band, band, -1.0, gravity)
-                    t, whole, mode, roots = t + share, False, -1, roots + count
+                    wait, count = _start(t, h, -push - band, -later - band, band, -1.0, gravity)
+                    t, whole, mode, roots = t + wait, False, -1, roots + count
                     rhs += 2 * count
                 else:
                     t, n, whole, f, known = n * length, n + 1, True, later, True
                 if mode != 0:
                     events += 1
                 continue
+            # Sliding or flying: take a trial step, then look for a stop and a wall in it.
             pull = gravity + mode * band
             if not known:
                 f = (sine[2 * n - 2] if whole else math.sin(t)) - pull
@@ -174,10 +196,11 @@ def _run(
             taken += 1
             wall = 0
             stops = band > 0.0 and mode * z_end < 0.0
-            if stops and z == 0.0:  # thrown and caught again within one step: it does not get anywhere
+            if stops and z == 0.0:  # starts and stops again within one step: no net motion
                 t, n, whole, mode, known = n * length, n + 1, True, 0, False
                 continue
             part = h
+            # A mass may reach the wall before it would stop: the wall is tested at the stop.
             if stops:
                 part, count = _located(t, h, u, z, f, pull, 0.0, float(mode), True)
                 rhs += 2 * count
@@ -197,6 +220,7 @@ def _run(
                 rhs += 2 * count
                 roots += count
                 u_end, z_end, force = _step(t, part, u, z, f, pull)
+                # Exactly on the wall, so that round-off does not accumulate.
                 u_end = level
             lost += band * abs(u_end - u)
             if stops or wall != 0:
@@ -210,12 +234,15 @@ def _run(
                     back = 0.0
                 lost += 0.5 * (z * z - back * back)
                 z = back
-                mode = 0 if z == 0.0 else (1 if z > 0.0 else -1)
+                mode = 0
+                if z != 0.0:
+                    mode = 1 if z > 0.0 else -1
                 known = False
                 events += 1
             elif stops:
                 z, mode, known = 0.0, 0, False
                 events += 1
+            # A rebound sequence that converges too slowly would never end.
             if events > limit:
                 return energy, -1, rhs, taken, roots, u, z, mode
         if k >= settle:
@@ -228,7 +255,7 @@ def _steady(
     band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
     settle: int, average: int,
 ) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
-    """Cycle by cycle; last, the period with which a state recurs."""
+    """Follow cycle by cycle until a state recurs; the last value returned is the period."""
     history, losses = np.empty((HISTORY, 3)), np.empty(HISTORY)
     energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
     for now in range(settle + average):

@@ -1,1 +1,1 @@
-"""What is measured: one module a problem, and the references that answers are compared with."""
+"""The problems measured, one module each, and the references for their answers."""

@@ -1,4 +1,6 @@
-"""Whole beds: the layers at five levels by several integrators, and the ladder of models to choose from."""
+"""Whole beds: the layers at five levels by several integrators, and the model variants to choose
+from.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -24,28 +26,34 @@ from rig.protocol.spec import Condition
 Row = dict[str, Any]
 
 SETTLE = AVERAGE = 64
-"""Cycles that a stepping method settles and averages: as many as the closed tier averages where a row has no period."""
+"""Cycles that a stepping method settles and averages: the closed tier averages as many for rows
+without a period.
+"""
 
 PROTOCOL = "schema: rig/protocol/1\nname: bench\n"
 
 
 @dataclass(frozen=True)
 class StandardBed:
-    """The standard bed (steel, 4 mm, 85 %, 20 Hz) at one level, m/s^2, with some rows per layer."""
+    """The standard bed (steel, 4 mm, 85 %, 20 Hz) at one level, m/s^2, with a number of rows per
+    layer.
+    """
 
     condition: Condition
     rig: Rig
     stack: Stack
 
     def energy(self, cycles: int = AVERAGE) -> float:
-        """Closed tier, J per cycle; rows without a period averaged over `cycles`."""
+        """Return W of the closed tier, J per cycle; rows without a period are averaged over
+        `cycles`.
+        """
         drive = self.condition.drive
         return layers_variant(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
 
 
 @lru_cache
 def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> StandardBed:
-    """A bed as the protocol's defaults have it; `extra` are further settings, as after `--set`."""
+    """Return a bed with the protocol's defaults; `extra`: further settings, as for `--set`."""
     rig = load_rig("default")
     sets = [f"drive.acceleration={level}", f"scene.layers.rows={rows}", *extra]
     condition = conditions(load_protocol(PROTOCOL, sets=sets))[0]
@@ -53,16 +61,21 @@ def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> StandardBed
 
 
 def stepped(found: StandardBed, method: Method, setting: float) -> float:
-    """W of a bed row by row through `SETTLE` + `AVERAGE` cycles, J per cycle: no method stops earlier."""
+    """Return W of a bed, J per cycle, with every row followed through all `SETTLE` + `AVERAGE`
+    cycles.
+    """
     return _by_rows(found, lambda row: method.solve(row, setting, SETTLE, AVERAGE).energy)
 
 
 def stepped_steady(found: StandardBed, setting: float) -> float:
-    """The same by RK4, each row no longer than until its state recurs, as in the closed tier."""
+    """Return W by RK4, J per cycle, with every row followed only until its state recurs, as in the
+    closed tier.
+    """
     return _by_rows(found, lambda row: solve_steady(row, setting, SETTLE, AVERAGE)[0].energy)
 
 
 def _by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
+    """Return W as the sum of `solve` over the rows that slide, J per cycle."""
     drive, rows = found.condition.drive, found.stack
     unit = rows.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2
     length = drive.acceleration / (2.0 * np.pi * drive.frequency) ** 2
@@ -77,7 +90,7 @@ def _by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
 
 
 SAME_CYCLES = f"from event to event, {SETTLE + AVERAGE} cycles throughout, 8 rows"
-"""Our rows as the steppers take them: row by row, none stopped where its state recurs."""
+"""Name of our method under the steppers' rule: row by row, none stopped where its state recurs."""
 
 CLOSED = "closed tier, 8 rows"
 
@@ -86,11 +99,13 @@ STEPPING = (("RK4, events located", 32.0), ("semi-implicit Euler", 400.0), ("sem
 
 
 def layers(level: float, rounds: int, quick: bool) -> list[Row]:
-    """Models and integrators on one bed: time of a condition, error of W against what each sets out to compute.
+    """Compare models and integrators on one bed: time per condition, and error of W against the
+    model's own exact result.
 
-    `error` is against the same rows averaged over 4096 cycles (for the paper tier: none), `model_error` against 148
-    rows per layer and 1024 cycles; quick: 37 rows and 512 cycles. L2/d is 37. `times` is the time over that of ours
-    with the same rule for the cycles: all of them, or until a state recurs (None where there is no such rule).
+    `error`: against the same rows averaged over 4096 cycles (none for the paper tier).
+    `model_error`: against 148 rows per layer and 1024 cycles; quick: 37 rows and 512 cycles. L2/d
+    is 37. `times`: time relative to ours under the same rule for the cycles (all of them, or until
+    a state recurs), None where there is no counterpart.
     """
     many, long = (37, 512) if quick else (148, 1024)
     reference = bed(level, many).energy(long)
@@ -126,7 +141,9 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
 
 
 def drift(cycles: int, settle: int = 0) -> Iterator[Row]:
-    """Account of bed `layers` over many cycles: work = friction + collision + change of kinetic energy."""
+    """Yield the energy balance of bed `layers` over many cycles: work = friction + collision +
+    change of kinetic energy.
+    """
     from rig.beds.layers import LayersBed
     from rig.drive.waveform import Sampling, Waveform
 

@@ -1,4 +1,6 @@
-"""A row of grains thrown onto a wall, hit by hit: in exact fractions, by the rig, and by fixed steps."""
+"""A row of grains thrown onto a wall, hit by hit: in exact fractions, by the rig, and by fixed
+steps.
+"""
 
 from fractions import Fraction
 from functools import partial
@@ -16,7 +18,10 @@ LONGEST = 1_000_000_000
 
 
 def exact_rebound(grains: int, restitution: Fraction, restitution_wall: Fraction) -> tuple[float, int]:
-    """Rebound ratio of the centre of mass, and the hits, without any rounding (grains at 1, 2, .. and speed -1)."""
+    """Return (rebound ratio of the centre of mass, number of hits) without any rounding.
+
+    The grains start at 1, 2, ... with velocity -1.
+    """
     x = [Fraction(k) for k in range(1, grains + 1)]
     v = [Fraction(-1)] * grains
     hits = 0
@@ -37,7 +42,9 @@ def exact_rebound(grains: int, restitution: Fraction, restitution_wall: Fraction
 
 @njit(cache=True, nogil=True)
 def stepped_rebound(grains: int, restitution: float, restitution_wall: float, step: float) -> tuple[float, int]:
-    """The same by fixed steps: all move, then every pair that overlaps and closes is hit once; and the steps taken."""
+    """Return (rebound ratio, number of steps) by fixed steps: all grains move, then every
+    overlapping and closing pair is hit once.
+    """
     x = np.arange(1.0, grains + 1.0)
     v = -np.ones(grains)
     taken = 0
@@ -59,7 +66,9 @@ def stepped_rebound(grains: int, restitution: float, restitution_wall: float, st
 
 
 def chain(grains: int, rounds: int, quick: bool) -> list[Row]:
-    """The rig's hit-by-hit collision and fixed steps against exact fractions, e = 9/10, e0 = 3/4."""
+    """Compare the rig's hit-by-hit collision and fixed steps with exact fractions, e = 9/10, e0 =
+    3/4.
+    """
     exact, hits = exact_rebound(grains, Fraction(9, 10), Fraction(3, 4))
     calls: dict[str, Any] = {"event-driven (ours)": partial(rebound, grains, 0.9, 0.75)}
     for step in (0.5, 0.05) if quick else (2.0, 0.5, 0.1, 0.01, 0.001):

@@ -1,4 +1,6 @@
-"""What compiling costs, once for each installation, and when it has paid: kernels without and with numba's cache."""
+"""The cost of compiling, once per installation, and the work after which it has paid: with an empty
+and a full cache.
+"""
 
 import subprocess
 import sys
@@ -26,9 +28,11 @@ print(time.perf_counter() - start)
 
 
 def compiling(protocol: Path, fixed: tuple[str, ...]) -> list[Row]:
-    """Seconds of the first call of every compiled method, and of the fill protocol, with an empty and a full cache.
+    """Measure the first call of every compiled method and the fill protocol, s, with an empty and a
+    full cache.
 
-    The difference is what compiling takes; the fill protocol's holds the compiling of all that it calls.
+    The difference is the compiling time; for the fill protocol it includes everything that the
+    protocol calls.
     """
     rows = [_row(name, *(_first_calls(name))) for name in COMPILED]
     with tempfile.TemporaryDirectory() as folder:

@@ -32,9 +32,10 @@ seed: 7
 
 
 def conditions(rounds: int, quick: bool, sizes: Sequence[int] = ()) -> list[Row]:
-    """The axis `conditions`: CPU time of a report at each number of conditions, its exponent, and peak memory.
+    """Measure the axis `conditions`: CPU time of a report at each number of conditions, its
+    exponent, and peak memory.
 
-    CPU and not wall time: the processes that read a large session share what processors there are.
+    CPU instead of wall time, because the processes that read a large session share the processors.
     """
     sizes = sizes or (FEW if quick else SIZES)
     with TemporaryDirectory() as name:
@@ -63,7 +64,7 @@ def conditions(rounds: int, quick: bool, sizes: Sequence[int] = ()) -> list[Row]
 
 
 def repeated(record: Record, count: int, path: Path) -> None:
-    """Write a session of so many conditions, each of them recorded as the one of `record` was."""
+    """Write a session of `count` conditions, each a copy of the recorded condition of `record`."""
     (condition,), plans = record.conditions.values(), record.plans
     ids = [f"c{number:04d}" for number in range(1, count + 1)]
     fixed = {"conditions", "prediction", "protocol", "runs", "scalars"}
@@ -100,6 +101,6 @@ def repeated(record: Record, count: int, path: Path) -> None:
 
 
 def _cpu() -> float:
-    """CPU seconds of all processes that have ended so far."""
+    """Return the CPU seconds of all child processes that have ended so far."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime

@@ -1,11 +1,12 @@
-"""Steppers for the coupled drive, speed against error: `python -m rig.benchmarks.problems.coupled_steppers [--out
-DIR]`.
+"""Speed against error of steppers for the coupled drive: `python -m
+rig.benchmarks.problems.coupled_steppers [--out DIR]`.
 
-Ours (the linear system exact, impacts at foreseen edges) beside Moreau-Jean with theta = 1/2 (trapezoid, implicit
-friction, unilateral rows, impacts at the end of a step), at several steps, on the same beds and commands. The error is
-the root mean square over some refills of the error of W_f + W_c over the first two cycles, against ours at 1/16 of the
-step: later small differences between rows grow and no two runs agree. Times are the least CPU time of a cycle, all
-steppers in turn, so that ratios hold on a busy machine as well.
+Ours (the linear system exact, impacts at predicted edges) beside Moreau-Jean with theta = 1/2
+(trapezoid, implicit friction, unilateral rows, impacts at the end of a step), at several steps, on
+the same beds and commands. The error is the root mean square over some refills of the error of W_f
++ W_c over the first two cycles, against ours at 1/16 of the step; later, small differences between
+rows grow until no two runs agree. Times are the least CPU time of a cycle, all steppers in turn, so
+that ratios hold on a busy machine too.
 """
 
 import argparse
@@ -41,7 +42,7 @@ HEAT = [COLUMNS.index(name) for name in ("W_f", "W_c")]
 
 
 @dataclass(frozen=True)
-class Result:
+class StepperResult:
     """One stepper at one step: least CPU time per cycle (ms) and relative error of W."""
 
     stepper: str
@@ -51,12 +52,14 @@ class Result:
 
 
 def stand(scene: Scene, rig: Rig, filling: Filling, refine: int = 1) -> CoupledStand:
-    """A stand at rest with a current amplifier."""
+    """Return a stand at rest with a current amplifier."""
     return CoupledStand(scene, rig, Drive(mode="coupled", amplifier="current"), filling, RATE, refine=refine)
 
 
 def ours(scene: Scene, rig: Rig, filling: Filling, amplitude: float, refine: int) -> tuple[float, float]:
-    """Heat of the first cycles, J, and least CPU time of a later one, ms; `refine` divides step and grid."""
+    """Return (heat of the first cycles in J, least CPU time of a later one in ms); `refine` divides
+    step and grid.
+    """
     tested = stand(scene, rig, filling, refine)
     tested.advance(Command((amplitude + 0j,), 20.0, CYCLES))
     heat = tested.drain_ledger()[:, HEAT].sum()
@@ -69,11 +72,15 @@ def ours(scene: Scene, rig: Rig, filling: Filling, amplitude: float, refine: int
 
 
 def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: int) -> tuple[float, float]:
-    """The same by Moreau-Jean, theta = 1/2, with the same scalar equation for friction, no signals and no account."""
+    """Return the same by Moreau-Jean, theta = 1/2, with the same scalar equation for friction, but
+    no signals and no ledger.
+    """
     one = stand(scene, rig, filling)
     h, bed = 1.0 / (20.0 * steps), one.bed
     a = one.plant.matrix()
     a[I] = 0.0
+    # Trapezoidal rule: (1 - h A/2) y' = (1 + h A/2) y + h b. The current is prescribed, so its row
+    # is zero.
     left = np.linalg.inv(np.eye(STATES) - 0.5 * h * a)
     phi = left @ (np.eye(STATES) + 0.5 * h * a)
     thrust, rate = (np.asarray(h * column, np.float64) for column in (left[:, V] / one.plant.box, left[:, I]))
@@ -83,11 +90,11 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
     state = np.zeros(STATES), np.zeros(n), np.zeros(n)
     heat, walls = 0.0, []
     for cycle in range(CYCLES + TIMED // 2):
-        share = min((cycle + 1) / CYCLES, 1.0)
+        after = min((cycle + 1) / CYCLES, 1.0)
         before = min(cycle / CYCLES, 1.0)
-        told = Command((amplitude * share + 0j,), 20.0).values((amplitude * before + 0j,), edges)
+        command = Command((amplitude * after + 0j,), 20.0).values((amplitude * before + 0j,), edges)
         start = time.process_time()
-        spent = _moreau(phi, thrust, rate, np.diff(told) / h, around, bed.band, bed.play, h, *state)
+        spent = _moreau(phi, thrust, rate, np.diff(command) / h, around, bed.band, bed.play, h, *state)
         walls.append(time.process_time() - start)
         heat += spent if cycle < CYCLES else 0.0
     return heat, 1e3 * min(walls[CYCLES:])
@@ -98,13 +105,17 @@ def _moreau(
     phi: Array, thrust: Array, rate: Array, pace: Array, around: Pull, band: Array, play: Array, h: float,
     y: Array, w: Array, u: Array,
 ) -> float:  # fmt: skip
+    """Take all steps of a cycle; return the heat, J. y, w, u are the states of plant and rows,
+    updated in place.
+    """
     rows, heat, lanes = np.uint64(band.shape[0]), 0.0, np.empty(CHUNK)
     lo, hi, tally = -band, band.copy(), np.zeros((2, band.shape[0] // 64 + 1), np.int64)
     tiles = to_tiles(w, u, lo, hi, band, play)
     for k in range(pace.shape[0]):
         for begin in range(np.uint64(0), rows, CHUNK):
             for j in range(np.uint64(0), min(CHUNK, rows - begin)):
-                i = begin * FIELDS + j  # walls that a row would be behind at the end of the step push without limit
+                # A wall that the row would cross by the end of the step can push without limit.
+                i = begin * FIELDS + j
                 ahead, rub = tiles[i + U] + h * (tiles[i + W] - y[V]), tiles[i + BAND]
                 tiles[i + HI] = np.inf if ahead <= 0.0 else rub
                 tiles[i + LO] = -np.inf if ahead >= tiles[i + PLAY] else -rub
@@ -127,8 +138,8 @@ def _moreau(
     return heat
 
 
-def measure(amplitude: float, rows: int, refills: int) -> list[Result]:
-    """All steppers at all steps with their errors."""
+def measure(amplitude: float, rows: int, refills: int) -> list[StepperResult]:
+    """Return all steppers at all steps with their errors."""
     rig = load_rig("default")
     scene = Scene(grains=Grains(density=7900.0), losses=(), layers=Layers(rows=rows))
     fillings = [refill(scene, rig, np.random.default_rng(seed)) for seed in range(refills)]
@@ -141,13 +152,13 @@ def measure(amplitude: float, rows: int, refills: int) -> list[Result]:
     error = np.sqrt(np.mean((found[:, :, 0] / exact[:, None] - 1.0) ** 2, axis=0))
     least = found[:, :, 1].min(axis=0)
     return [
-        Result(name, steps, float(wall), float(wrong))
+        StepperResult(name, steps, float(wall), float(wrong))
         for (name, steps, _), wall, wrong in zip(methods, least, error, strict=True)
     ]
 
 
-def figure(found: list[Result]) -> str:
-    """Work and precision: error of W against CPU time per cycle, as SVG."""
+def figure(found: list[StepperResult]) -> str:
+    """Return the work-precision diagram as SVG: error of W against CPU time per cycle."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -169,15 +180,16 @@ def figure(found: list[Result]) -> str:
 
 
 def main() -> None:
+    """Measure from the command line, and write results and figure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("bench"))
     parser.add_argument("--amplitude", type=float, default=12.0, help="current, A peak")
     parser.add_argument("--rows", type=int, default=8)
     parser.add_argument("--refills", type=int, default=6)
-    told = parser.parse_args()
-    found = measure(told.amplitude, told.rows, told.refills)
+    given = parser.parse_args()
+    found = measure(given.amplitude, given.rows, given.refills)
     rows = json.dumps([asdict(r) for r in found], indent=1) + "\n"
-    write_folder(told.out, {"coupled_steppers.json": rows, "coupled_steppers.svg": figure(found)})
+    write_folder(given.out, {"coupled_steppers.json": rows, "coupled_steppers.svg": figure(found)})
     for r in found:
         print(
             f"{r.stepper:26s} {r.steps:6d} steps  {r.milliseconds:7.2f} ms  {50 / r.milliseconds:6.1f} x  {r.error:.1e}"

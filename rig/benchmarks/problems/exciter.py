@@ -1,4 +1,4 @@
-"""The exciter in the loop against the clock: 680 rows at four levels, the default step, one core."""
+"""The exciter in the loop against real time: 680 rows, four levels, default step, one core."""
 
 import statistics
 import time
@@ -19,14 +19,16 @@ Row = dict[str, Any]
 FREQUENCY = 20.0
 RATE = 4096 * FREQUENCY
 SETTLED = 12
-"""Cycles from rest, left out."""
+"""Cycles from rest, not counted."""
 
 CURRENTS = (2.9, 4.9, 7.5, 16.0)
 """Current, A peak, for about 1, 2.3, 3.3 and 5 m/s2."""
 
 
 def coupled(rounds: int, quick: bool) -> list[Row]:
-    """Times faster than real time at each level, by CPU time of this thread: cycles of some refills, in turn."""
+    """Measure rig time over CPU time of this thread at each level, over cycles of some refills, in
+    turn.
+    """
     rig, scene = load_rig("default"), Scene(grains=Grains(density=7900.0))
     cycles = 8 if quick else 20
     stands: dict[float, list[CoupledStand]] = {}

@@ -10,6 +10,9 @@ FILL = shipped.folder() / "fill_rate.yaml"
 
 
 def fill_campaign(*sets: str) -> Campaign:
-    """The shipped fill protocol with values replaced. Raises InputError where the protocols are not installed."""
+    """Return the shipped fill protocol with values replaced.
+
+    Raises InputError where the protocols are not installed.
+    """
     loaded = read_protocol(str(FILL), sets, (), None, None)
     return campaign_of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)

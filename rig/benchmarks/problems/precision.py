@@ -13,14 +13,17 @@ from rig.benchmarks.timing import interleaved, peak_memory, spread
 Row = dict[str, Any]
 
 COMPILED_CYCLES = 4096
-"""Cycles that a compiled method follows at most: what it sets up once is then a small part of its time."""
+"""Largest number of cycles for a compiled method, so that its set-up is a small part of the time.
+"""
 
 COMPILED_STEPS = 200_000
-"""Steps after which it follows no more of them."""
+"""Largest number of steps for a compiled method."""
 
 
 def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, ...] = METHODS) -> list[Row]:
-    """A row for every method and setting; one that fails keeps its row, with the reason instead of numbers."""
+    """Return a row for every method and setting; a failed one keeps its row, with the reason
+    instead of numbers.
+    """
     rows, calls = [], {}
     place, velocity = _steady(slider)
     for method in methods:
@@ -50,7 +53,9 @@ def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, .
 
 
 def _steady(slider: Slider) -> tuple[float, float]:
-    """Place and velocity at the start of every period of the steady orbit, from closed flights."""
+    """Return position and velocity at the start of every period of the steady orbit, from closed
+    flights.
+    """
     cycles = slider.settle + slider.period
     _, u, z = followed(slider.band, slider.play, slider.restitution, slider.gravity, slider.start, cycles)
     return u, z
@@ -62,7 +67,9 @@ def _first(call: Callable[[], Work]) -> tuple[Work, float]:
 
 
 def _averaged(slider: Slider, method: Method, setting: float) -> int:
-    """Cycles behind the settling over which W is averaged: whole periods, two for methods that take long."""
+    """Return the number of cycles after settling over which W is averaged: whole periods, two for
+    slow methods.
+    """
     if method.group == "solve_ivp":
         return 2 * slider.period
     most = COMPILED_CYCLES if method.order is None else max(int(COMPILED_STEPS / setting), slider.settle)

@@ -1,4 +1,4 @@
-"""The session's recorder beside plain h5py: the same file written both ways, and the codes alone."""
+"""The session's recorder beside plain h5py: the same file written by both, and the codes alone."""
 
 import json
 import tempfile
@@ -25,7 +25,9 @@ Row = dict[str, Any]
 Codes = np.typing.NDArray[np.int32]
 
 BLOCKS = (5158, 16384, 4098)
-"""Samples of the blocks of a run of 50 cycles, the shipped protocols' length, as the campaign cuts them."""
+"""Samples of the blocks in a run of 50 cycles, the shipped protocols' length, as a campaign reads
+them.
+"""
 
 LONG = 50
 """Blocks of 16384 samples in a long run: 80 s."""
@@ -34,7 +36,7 @@ OURS, PLAIN, CODES = "recorder (ours)", "plain h5py: the same file", "plain h5py
 
 
 def recorder(rounds: int) -> list[Row]:
-    """Forty short runs, and two long ones."""
+    """Measure forty short runs, and two long ones."""
     campaign = fill_campaign("repeats=1")
     plan = session_plan(campaign, {c.id: forecast(c, campaign.rig, True) for c in campaign.conditions})
     rows = compared(f"recorder, {len(plan.runs)} short runs", plan, BLOCKS, rounds)
@@ -42,12 +44,14 @@ def recorder(rounds: int) -> list[Row]:
 
 
 def of_runs(plan: SessionPlan, count: int) -> SessionPlan:
-    """The plan of the first runs alone."""
+    """Return the plan of the first `count` runs alone."""
     return replace(plan, runs=plan.runs[:count])
 
 
 def compared(problem: str, plan: SessionPlan, blocks: tuple[int, ...], rounds: int) -> list[Row]:
-    """Every run of a plan written in these blocks: codes, block and status rows, ledger and scalars, each flushed."""
+    """Write every run of a plan in these blocks: codes, block and status rows, ledger and scalars,
+    each flushed.
+    """
     runs = tuple(replace(run, samples=sum(blocks), blocks=len(blocks)) for run in plan.runs)
     plan = replace(plan, runs=runs)
     rng = np.random.Generator(np.random.SFC64(1))
@@ -82,13 +86,15 @@ def compared(problem: str, plan: SessionPlan, blocks: tuple[int, ...], rounds: i
 
 
 def _pieces(plan: SessionPlan) -> tuple[np.ndarray[Any, Any], dict[str, float]]:
-    """A run's ledger and scalars."""
+    """Return a run's ledger and scalars."""
     cycles = max(run.ledger_cycles or plan.ledger_cycles for run in plan.runs)
     return np.ones((cycles, len(plan.ledger_columns))), dict.fromkeys(plan.scalars, 1.0)
 
 
 def _anew(write: Callable[..., None], path: Path, *arguments: Any) -> None:
-    """Write a file where none is, the last one set aside: what a file system does to replace one is no recording."""
+    """Write to a new path after renaming the last file, because replacing a file costs time that is
+    not recording.
+    """
     if path.exists():
         path.rename(path.with_name(f"{path.stem}-{time.monotonic_ns()}"))
     write(path, *arguments)
@@ -108,7 +114,9 @@ def _ours(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes) 
 
 
 def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes) -> None:
-    """The session's layout (docs/session-format.md) by h5py's own calls, in single-writer mode."""
+    """Write the session's layout (docs/session-format.md) by h5py's own calls, in single-writer
+    mode.
+    """
     ledger, scalars = _pieces(plan)
     nothing = (np.zeros(len(codes), np.uint16), np.zeros(len(codes), np.uint32))
     with h5py.File(path, "w", libver=("v110", "v110")) as file:
@@ -137,7 +145,7 @@ def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes)
 
 
 def _session(file: Any, plan: SessionPlan) -> None:
-    """Root and `session`."""
+    """Write the root and `session`."""
     _attributes(file, {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs})
     file.attrs["synthetic"] = plan.synthetic
     session = _group(file, "session", {"NX_class": "NXentry", "rate": float(plan.rate)})
@@ -176,7 +184,7 @@ def _group(owner: Any, name: str, values: Any) -> Any:
 
 
 def _attributes(owner: Any, values: Any) -> None:
-    """As the session has them: text of fixed length."""
+    """Write attributes as the session has them: text of fixed length."""
     for name, value in values.items():
         if isinstance(value, str):
             owner.attrs[name] = _text(value)
@@ -191,7 +199,7 @@ def _text(value: str) -> np.bytes_:
 
 
 def _codes_alone(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes) -> None:
-    """No attributes, no tables, no single-writer mode: what a first script does."""
+    """Write codes without attributes, tables or single-writer mode, as a first script would."""
     with h5py.File(path, "w", libver=("v110", "v110")) as file:
         for run in plan.runs:
             for channel in plan.channels:
@@ -209,7 +217,7 @@ def _codes_alone(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: 
 
 
 def different(one: Path, other: Path) -> list[str]:
-    """Names of the objects and attributes in which two files differ."""
+    """Return the names of the objects and attributes in which two files differ."""
     found = []
     with h5py.File(one, "r") as a, h5py.File(other, "r") as b:
         names: list[tuple[list[str], Any]] = []

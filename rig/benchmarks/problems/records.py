@@ -32,7 +32,9 @@ Row = dict[str, Any]
 Array = np.typing.NDArray[np.float64]
 
 FIXED = ("acquire.settle=10 cycles", "acquire.record=40 cycles")
-"""The fill protocol of the comparison: 160 runs of 50 cycles, whatever the shipped protocol settles."""
+"""Settings of the fill protocol in the comparison: 160 runs of 50 cycles, whatever the shipped
+protocol settles.
+"""
 
 SETS = tuple(word for one in FIXED for word in ("--set", one))
 
@@ -43,7 +45,9 @@ RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
 
 
 def recording_seconds(campaign: Campaign, workers: int) -> float:
-    """Wall seconds from the start of the workers to the last run recorded and analysed, predictions included."""
+    """Return wall seconds from the start of the workers to the last run recorded and analysed,
+    including predictions.
+    """
     last = [0.0]
 
     def watch(_: object) -> None:
@@ -56,8 +60,11 @@ def recording_seconds(campaign: Campaign, workers: int) -> float:
 
 
 def fill(rounds: int) -> list[Row]:
-    """The fill protocol against the rig time that it simulates: recording alone, by workers, and the whole process;
-    and how the recording's time falls with workers."""
+    """Measure the fill protocol against its rig time: recording alone, by number of workers, and
+    the whole process.
+
+    Also measures the decrease of the recording time with the number of workers.
+    """
     campaign = fill_campaign(*FIXED)
     counts = [1, cores()] if cores() > 1 else [1]
     recording_seconds(fill_campaign("repeats=1", *FIXED), counts[-1])
@@ -96,8 +103,11 @@ def _against_rig_time(method: str, seconds: list[float], rig_time: float) -> Row
 
 
 def memory() -> list[Row]:
-    """Peak memory of `rig run` and of its worker for a run of 1 and of 100 minutes of rig time, which does not grow,
-    beside that of an interpreter with the same imports and nothing done."""
+    """Measure peak memory of `rig run` and of its worker for runs of 1 and of 100 minutes of rig
+    time; it should not grow.
+
+    The first row is an interpreter with the same imports that does nothing.
+    """
     rows: list[Row] = []
     with tempfile.TemporaryDirectory() as folder:
         for minutes in (1, 100):
@@ -117,21 +127,25 @@ def memory() -> list[Row]:
 
 
 class Tone:
-    """An analog source of one record, played from memory: a tone in the pass band and one that would alias onto it."""
+    """An analog source of one record, played from memory: a tone in the pass band and one that
+    would alias onto it.
+    """
 
     def __init__(self, volts: Array, names: tuple[str, ...], rate: float) -> None:
         self._volts, self.names, self.rate, self._next = volts, names, rate, 0
 
     def volts(self, n: int) -> Array:
-        """Next n intervals; silence behind the end."""
+        """Return the next n intervals; silence after the end."""
         part = self._volts[:, self._next : self._next + n]
         self._next += n
         return np.ascontiguousarray(np.pad(part, ((0, 0), (0, n - part.shape[1]))))
 
 
 def acquisition(rounds: int, quick: bool) -> list[Row]:
-    """The front end (two stages, noise off, 24 bit) beside scipy's polyphase filter alone: one stage, and the very same
-    two stages."""
+    """Compare the front end (two stages, noise off, 24 bit) with scipy's polyphase filter alone.
+
+    The rivals are the best single stage, and the same two stages as ours.
+    """
     from scipy.signal import firwin, kaiserord, upfirdn  # type: ignore[attr-defined, unused-ignore]
 
     samples = 50_000 if quick else 200_000
@@ -184,7 +198,9 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
 
 
 def reading(rounds: int, quick: bool) -> list[Row]:
-    """Replay with analysis beside plain reading and trapezoids over the same samples: short runs, and long ones."""
+    """Compare replay and analysis with plain reading and trapezoids over the same samples, for
+    short and long runs.
+    """
     long = fill_campaign("vary={}", "repeats=2", f"acquire.record={2000 if quick else 4000} cycles")
     problems = (("reading, short runs", fill_campaign(f"repeats={1 if quick else 2}")), ("reading, long runs", long))
     return [row for problem, campaign in problems for row in _reading(problem, campaign, rounds)]
@@ -234,7 +250,7 @@ def _reported(path: Path) -> dict[str, float]:
 
 
 def _replayed(path: Path) -> dict[str, float]:
-    """Every run's blocks and energies, quality looked at, without the report on all of them."""
+    """Return every run's energy from its blocks, with quality checks but without the report."""
     with open_session(path) as record:
         return {name: found.energy.W for name, found in analysed(record).items()}
 
@@ -246,7 +262,9 @@ def _true_energy(truth: Any, name: str, campaign: Campaign) -> float:
 
 
 def _plain(path: Path) -> dict[str, float]:
-    """What a short script does: all samples of whole cycles, mean removed, trapezoids; nothing compensated."""
+    """Return every run's energy as a short script would: whole cycles, mean removed, trapezoids;
+    nothing corrected.
+    """
     found = {}
     with h5py.File(path, "r") as file:
         for name in (key for key in file if key.startswith("run_")):

@@ -1,6 +1,8 @@
-"""The sliders' motion in closed form, event by event, in plain Python: slow, and with none of the rig's own code.
+"""The sliders' motion in closed form, event by event, in plain Python: slow, and independent of the
+rig's code.
 
-Between events u and z are known functions of the phase; a dense scan brackets the first event, Brent's method finds it.
+Between events u and z are known functions of the phase; a dense scan brackets the first event,
+Brent's method finds it.
 """
 
 import math
@@ -10,24 +12,27 @@ from functools import partial
 from scipy.optimize import brentq
 
 SCAN = 2.0 * math.pi / 1024
-"""Step of the scan, rad: events closer together than this are told apart only where a flight starts with a speed."""
+"""Step of the scan, rad: closer events are distinguished only where a flight starts with a
+velocity.
+"""
 
 CHATTER = 1e-6
-"""Rebounds slower than this end at the wall, as in `rig.kernels.rows.one_row`: what is cut off is below 5e-13 of m
-V^2."""
+"""Rebounds slower than this end at the wall, as in `rig.kernels.rows.one_row`: the energy cut off
+is below 5e-13 of m V^2.
+"""
 
 
 def energies(
     band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
 ) -> list[float]:
-    """Energy lost in each cycle, m V^2 (symbols: `rig.benchmarks.problems.sliders`)."""
+    """Return the energy lost in each cycle, m V^2 (symbols: `rig.benchmarks.problems.sliders`)."""
     return followed(band, play, restitution, gravity, start, cycles)[0]
 
 
 def followed(
     band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
 ) -> tuple[list[float], float, float]:
-    """Energy lost in each cycle, and place and velocity behind the last one."""
+    """Return (energy lost in each cycle, position, velocity after the last one)."""
     lost = [0.0] * cycles
     end = 2.0 * math.pi * cycles
     mode, u, z = start
@@ -39,6 +44,7 @@ def followed(
             continue
         arrival = _Flight(t, u, z, mode * band + gravity)
         until, kind = _next(arrival, mode, band, play, end)
+        # A slide over the end of a cycle is divided between the cycles.
         for k in range(int(t / (2.0 * math.pi)), min(int(until / (2.0 * math.pi)), cycles - 1) + 1):
             first, last = max(t, 2.0 * math.pi * k), min(until, 2.0 * math.pi * (k + 1))
             lost[k] += band * abs(arrival.place(last) - arrival.place(first))
@@ -62,20 +68,24 @@ class _Flight:
         self._sin, self._cos = math.sin(t), math.cos(t)
 
     def speed(self, t: float) -> float:
+        """Return the velocity at phase t."""
         return self._z + self._cos - math.cos(t) - self.pull * (t - self._t)
 
     def place(self, t: float) -> float:
+        """Return the position at phase t."""
         d = t - self._t
         return self._u + (self._z + self._cos) * d - (math.sin(t) - self._sin) - 0.5 * self.pull * d * d
 
     def soon(self) -> float:
-        """A phase shortly after the start at which a rebound is still on its way out."""
+        """Return a phase just after the start at which a rebound still leaves the wall."""
         force = abs(self._sin - self.pull)
         return self._t + min(SCAN, abs(self._z) / force if force > 0.0 else SCAN)
 
 
 def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> tuple[float, str]:
-    """Phase and kind of the first event of a flight: "wall", "stop" (only with friction) or "end"."""
+    """Return phase and kind of the first event of a flight: "wall", "stop" (only with friction) or
+    "end".
+    """
     before = flight.soon()
     while before < end:
         after = min(before + SCAN, end)
@@ -93,7 +103,9 @@ def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> t
 
 
 def _release(t: float, u: float, band: float, play: float, gravity: float, end: float) -> tuple[float, int]:
-    """Phase from t on at which a mass at rest starts to move, and the direction; the end and 0 for never."""
+    """Return the phase from t on at which a mass at rest starts to move, and the direction; (end,
+    0) for never.
+    """
     while t < end:
         mode = _thrown(t, u, band, play, gravity)
         if mode:
@@ -111,7 +123,9 @@ def _excess(level: float, t: float) -> float:
 
 
 def _thrown(t: float, u: float, band: float, play: float, gravity: float) -> int:
-    # a root lies within round-off of its level: the next float decides nothing, a push 1e-15 beyond does
+    # A computed root may lie within round-off below its level: a push 4e-15 short of the band
+    # counts as reaching it, if it still grows.
+    """Return the direction in which a mass at rest at phase t starts to move, 0 where it stays."""
     push = math.sin(t) - gravity
     rising = math.cos(t) > 0.0
     if u < play and (push > band or (push > band - 4e-15 and rising)):
@@ -122,7 +136,9 @@ def _thrown(t: float, u: float, band: float, play: float, gravity: float) -> int
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root in a bracket; without a change of sign (round-off at an end) the end that is nearer to one."""
+    """Return the root in a bracket; without a change of sign (round-off at an end) the end with the
+    smaller value.
+    """
     at_low, at_high = function(low), function(high)
     if at_low == 0.0 or (at_low > 0.0) == (at_high > 0.0):
         return low if abs(at_low) <= abs(at_high) else high

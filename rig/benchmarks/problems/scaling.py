@@ -1,4 +1,4 @@
-"""How cost grows with the size of a problem: times at some sizes, and the exponent that fits them."""
+"""Growth of cost with the size of a problem: times at some sizes, and a fitted exponent."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -20,7 +20,9 @@ Row = dict[str, Any]
 
 
 def layers(count: float) -> None:
-    """The closed tier at 5 m/s^2 of a bed with `count` layers: the standard bed's thresholds, more or less densely."""
+    """Run the closed tier at 5 m/s^2 for a bed with `count` layers: the standard bed's thresholds,
+    interpolated.
+    """
     stack = bed(5.0).stack
     place = np.linspace(0.0, 1.0, int(count))
     known = np.linspace(0.0, 1.0, stack.threshold.size)
@@ -29,22 +31,26 @@ def layers(count: float) -> None:
 
 
 def rows(count: float) -> None:
-    """The closed tier at 5 m/s^2 with `count` rows per layer."""
+    """Run the closed tier at 5 m/s^2 with `count` rows per layer."""
     bed(5.0, int(count)).energy()
 
 
 def cycles(count: float) -> None:
-    """A recorded run of `count` cycles at 2 m/s^2, where rows without a period are simulated throughout."""
+    """Record a run of `count` cycles at 2 m/s^2, where rows without a period are simulated
+    throughout.
+    """
     _records(f"acquire.record={int(count)} cycles")
 
 
 def samples(count: float) -> None:
-    """A recorded run of 40 cycles with `count` samples per cycle."""
+    """Record a run of 40 cycles with `count` samples per cycle."""
     _records(f"acquire.samples_per_cycle={int(count)}")
 
 
 def grains(count: float) -> None:
-    """W_T of the standard box filled with `count` grains, finer and finer, at 5 m/s^2."""
+    """Compute W_T at 5 m/s^2 of the standard box filled with `count` grains of the diameter that
+    fits.
+    """
     standard = bed(5.0)
     per_grain = np.pi / 6.0 * standard.condition.scene.grains.diameter**3 / standard.rig.packing_shaken
     cavity = standard.condition.scene.cavity
@@ -72,9 +78,10 @@ AXES: dict[str, tuple[Callable[[float], None], Sequence[float], Sequence[float],
 
 
 def scaling(axis: str, rounds: int, quick: bool) -> list[Row]:
-    """Times at each size, and a row with the exponent of their medians and the standard error of the fit.
+    """Return rows with the time at each size, and one with the exponent of their medians and its
+    standard error.
 
-    `at_most_linear` : exponent less twice that error is not above 1 (None where no claim is made).
+    `at_most_linear`: the exponent less twice that error is at most 1 (None where no claim is made).
     """
     call, full, few, what = AXES[axis]
     sizes = few if quick else full

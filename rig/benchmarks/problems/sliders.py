@@ -1,12 +1,14 @@
-"""Sliders and slugs with a known answer: what the integrators are compared on.
+"""Sliders and slugs with a known answer, on which the integrators are compared.
 
-One mass in a box that moves as x = sin theta; units of the waveform (acceleration A, velocity A/omega, length
-A/omega^2, energy m V^2). u in [0, play] is the mass's place in the box, z = u' its velocity against the box:
+One mass in a box that moves as x = sin theta; units of the waveform (acceleration A, velocity
+A/omega, length A/omega^2, energy m V^2). u in [0, play] is the mass's position in the box, z = u'
+its velocity against the box:
 
     z' = sin(theta) - gravity - band sign(z),    u = 0 or play: z -> -restitution z,
 
-and where z = 0 the mass rests as long as |sin(theta) - gravity| <= band or a wall is in its way. `band` > 0 makes a
-slider with Coulomb friction, `gravity` = 1/Gamma > 0 a slug on a floor, with a lid at `play` where that is finite.
+and where z = 0 the mass rests as long as |sin(theta) - gravity| <= band or a wall is in its way.
+`band` > 0 makes a slider with Coulomb friction, `gravity` = 1/Gamma > 0 a slug on a floor, with a
+lid at `play` where that is finite.
 """
 
 import math
@@ -20,7 +22,9 @@ from scipy.optimize import brentq
 from rig.benchmarks.problems.reference import energies
 
 WIDE = 40.0
-"""Free play out of reach: a slider without friction in a box so wide would cross it in more than 8 cycles."""
+"""Free play out of reach: a slider without friction in so wide a box would need more than 8 cycles
+to cross it.
+"""
 
 START_MIDDLE = 20.0
 
@@ -29,9 +33,9 @@ START_MIDDLE = 20.0
 class Slider:
     """A problem with its answer.
 
-    start : mode (0 at rest, +1 or -1 the direction of sliding), u and z at phase 0
-    settle : cycles until its orbit is steady; period : of the orbit, cycles
-    exact : energy lost per cycle, m V^2; source : of that value, "closed form" or "reference"
+    start: mode (0 at rest, +1 or -1 the direction of sliding), u and z at phase 0. settle: cycles
+    until its orbit is steady. period: of the orbit, cycles. exact: energy lost per cycle, m V^2.
+    source: of that value, "closed form" or "reference".
     """
 
     name: str
@@ -47,9 +51,11 @@ class Slider:
 
 
 def sliding_block(eta: float) -> Slider:
-    """Block on a rough floor that never rests, eta < 0.537: W = 4 eta sqrt(1 - (pi eta/2)^2).
+    """Return a block on a rough floor that never rests, eta < 0.537: W = 4 eta sqrt(1 - (pi
+    eta/2)^2).
 
-    It starts on its orbit: it turns round where cos theta = pi eta/2, and is half a cycle later where it was, mirrored.
+    It starts on its orbit: it reverses where cos theta = pi eta/2, and half a cycle later its state
+    is mirrored.
     """
     turn = math.acos(0.5 * math.pi * eta)
     z = -(math.cos(turn) + 1.0 - eta * (math.pi - turn))
@@ -58,7 +64,9 @@ def sliding_block(eta: float) -> Slider:
 
 
 def resting_block(eta: float) -> Slider:
-    """Block on a rough floor that rests twice per cycle, 0.537 < eta < 1: it starts where sin theta = eta."""
+    """Return a block on a rough floor that rests twice per cycle, 0.537 < eta < 1: it starts where
+    sin theta = eta.
+    """
     begin = math.asin(eta)
     stop = _root(lambda t: math.cos(begin) - math.cos(t) - eta * (t - begin), math.pi - begin, begin + math.pi)
     way = math.cos(begin) * (stop - begin) - math.sin(stop) + eta - 0.5 * eta * (stop - begin) ** 2
@@ -66,15 +74,19 @@ def resting_block(eta: float) -> Slider:
 
 
 def weightless(play: float) -> Slider:
-    """Plastic slider without friction (zero gravity), play <= pi: tau - sin tau = play, W = (1 - cos tau)^2."""
+    """Return a plastic slider without friction (zero gravity), play <= pi: tau - sin tau = play, W
+    = (1 - cos tau)^2.
+    """
     tau = _root(lambda t: t - math.sin(t) - play, 0.0, 2.0 * math.pi)
     return Slider(f"weightless, gap {play:g}", 0.0, play, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2)
 
 
 def rough(band: float, play: float) -> Slider:
-    """Plastic slider with friction that reaches the other wall and waits there: W = 2 band play + z^2.
+    """Return a plastic slider with friction that reaches the other wall and waits there: W = 2 band
+    play + z^2.
 
-    It leaves where sin theta = band; `play` has to be small enough for it to arrive while it is still pressed on.
+    It leaves where sin theta = band; `play` must be small enough for it to arrive while it is still
+    pressed on.
     """
     begin = math.asin(band)
 
@@ -87,7 +99,9 @@ def rough(band: float, play: float) -> Slider:
 
 
 def elastic(band: float, play: float, restitution: float, settle: int = 8) -> Slider:
-    """Slider that rebounds; the answer comes from `reference`, closed flights with roots of their own."""
+    """Return a slider that rebounds; the answer comes from `reference`, closed flights with
+    independent root finding.
+    """
     found = energies(band, play, restitution, 0.0, (0, 0.0, 0.0), settle + 1)
     return Slider(
         f"e {restitution:g}, friction {band:g}", band, play, restitution, 0.0, found[-1], "reference",
@@ -96,7 +110,9 @@ def elastic(band: float, play: float, restitution: float, settle: int = 8) -> Sl
 
 
 def slug(level: float) -> Slider:
-    """Plastic slug on a floor, no lid, Gamma = `level`: leaves where sin theta = 1/Gamma, lands at the first root."""
+    """Return a plastic slug on a floor without a lid, Gamma = `level`: leaves where sin theta =
+    1/Gamma, lands at the first root.
+    """
     gravity = 1.0 / level
     begin = math.asin(gravity)
 
@@ -112,20 +128,26 @@ def slug(level: float) -> Slider:
 
 
 def lidded_slug(level: float, gap: float) -> Slider:
-    """Plastic slug that is thrown against a lid and falls back when the box's acceleration lets it."""
+    """Return a plastic slug that is thrown against a lid and falls back when the box's acceleration
+    allows.
+    """
     found = energies(0.0, gap, 0.0, 1.0 / level, (0, 0.0, 0.0), 5)
     return Slider(f"slug, Gamma {level:g}, gap {gap:g}", 0.0, gap, 0.0, 1.0 / level, found[-1], "reference")
 
 
 @lru_cache
 def sliders() -> tuple[Slider, ...]:
-    """Sliders of the comparison: friction without rest, with rest, impacts without friction, both, and a rebound."""
+    """Return the sliders of the comparison: friction without rest, with rest, impacts without
+    friction, both, and a rebound.
+    """
     return sliding_block(0.3), resting_block(0.7), weightless(1.0), rough(0.1, 1.3), elastic(0.2, 1.3, 0.25)
 
 
 @lru_cache
 def slugs() -> tuple[Slider, ...]:
-    """Slugs of the comparison: barely thrown (the gap grows like t^3), thrown, thrown far, and against a lid."""
+    """Return the slugs of the comparison: barely thrown (the gap grows like t^3), thrown, thrown
+    far, and against a lid.
+    """
     return slug(1.01), slug(1.5), slug(2.5), lidded_slug(4.0, 1.0)
 
 

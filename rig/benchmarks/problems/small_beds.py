@@ -1,4 +1,4 @@
-"""A bed of few rows, whole: as the rig follows it, by scipy's solve_ivp and by compiled RK4."""
+"""A whole bed of few rows: by the rig's bed, by scipy's solve_ivp and by compiled RK4."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -18,41 +18,48 @@ from rig.drive.waveform import Sampling, Waveform
 Row = dict[str, Any]
 
 ROWS, FILL = 3, 0.05
-"""Rows per layer, and the share of the standard box that they fill: five layers, whose rows all settle at once."""
+"""Rows per layer, and filled fraction of the standard box: five layers, all of whose rows settle at
+once.
+"""
 
 SETTLE = AVERAGE = 4
-"""Cycles followed and not counted, and cycles counted."""
+"""Cycles settled, and cycles averaged."""
 
 OURS = "bed `layers` (ours), with its force at 8 edges per cycle"
 SETTINGS = {"RK4, events located": (64.0, 512.0), "solve_ivp RK45": (1e-6, 1e-9), "solve_ivp DOP853": (1e-6, 1e-9),
             "solve_ivp LSODA": (1e-6, 1e-9)}  # fmt: skip
-"""Coarse to fine; quick: the first of each. An implicit method (Radau) takes ten times as long for the same."""
+"""Settings, coarse to fine; quick: the first of each.
+
+An implicit method (Radau) takes ten times as long for the same error.
+"""
 
 
 def small_bed(level: float) -> StandardBed:
-    """Steel balls of 4 mm to 5 % of the height, at `level` m/s^2."""
+    """Return a bed of 4 mm steel balls filled to 5 % of the height, at `level` m/s^2."""
     return bed(level, ROWS, (f"scene.grains.fill={FILL}",))
 
 
 def sliding(found: StandardBed) -> list[Slider]:
-    """The rows of a bed that slide, one by one, in units of the waveform."""
+    """Return the rows of a bed that slide, in units of the waveform."""
     level, omega = found.condition.drive.acceleration, 2.0 * np.pi * found.condition.drive.frequency
-    return [
-        Slider("", threshold / level, float(play) * omega**2 / level, found.stack.restitution, 0.0, 0.0)
-        for threshold, plays in zip(found.stack.threshold, found.stack.play, strict=True)
-        if threshold < level
-        for play in plays
-    ]
+    rows = []
+    for threshold, plays in zip(found.stack.threshold, found.stack.play, strict=True):
+        if threshold >= level:
+            continue  # the friction holds this layer throughout
+        for play in plays:
+            length = float(play) * omega**2 / level
+            rows.append(Slider("", threshold / level, length, found.stack.restitution, 0.0, 0.0))
+    return rows
 
 
 def unit(found: StandardBed) -> float:
-    """m V^2 of a row, J."""
+    """Return the energy unit m V^2 of a row, J."""
     drive = found.condition.drive
     return float(found.stack.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2)
 
 
 def followed(found: StandardBed) -> float:
-    """W by the bed itself, J per cycle."""
+    """Return W by the bed itself, J per cycle."""
     drive = found.condition.drive
     moving = LayersBed(found.stack, Sampling(Waveform(drive.frequency, drive.acceleration), 8.0))
     moving.advance(SETTLE)
@@ -61,12 +68,14 @@ def followed(found: StandardBed) -> float:
 
 
 def by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
-    """W as the sum over the rows, J per cycle."""
+    """Return W as the sum of `solve` over the rows, J per cycle."""
     return unit(found) * sum(map(solve, sliding(found)))
 
 
 def exact(found: StandardBed) -> float:
-    """W from closed flights with root finding of their own (`rig.benchmarks.problems.reference`), J per cycle."""
+    """Return W from closed flights with independent root finding
+    (`rig.benchmarks.problems.reference`), J per cycle.
+    """
 
     def counted(row: Slider) -> float:
         lost = energies(row.band, row.play, row.restitution, 0.0, (0, 0.0, 0.0), SETTLE + AVERAGE)
@@ -76,7 +85,9 @@ def exact(found: StandardBed) -> float:
 
 
 def small_beds(levels: tuple[float, ...], rounds: int, quick: bool) -> Iterator[Row]:
-    """A row for each level, method and setting: error of W, milliseconds, and times as long as the bed takes."""
+    """Yield a row for each level, method and setting: error of W, milliseconds, and time relative
+    to the bed's.
+    """
     for level in levels:
         yield from _compared(small_bed(level), level, rounds, quick)
 

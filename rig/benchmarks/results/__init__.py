@@ -1,1 +1,1 @@
-"""What comes of the measurements: curves, claims, tables, figures, a page."""
+"""The results of the measurements: curves, claims, tables, figures, a page."""

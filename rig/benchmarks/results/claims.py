@@ -1,4 +1,4 @@
-"""What is claimed of the event-driven rows, judged on the work-precision curves of this very run."""
+"""Claims about the event-driven rows and the rig's parts, judged from one run's rows."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -10,7 +10,9 @@ Row = dict[str, Any]
 
 
 class Claim(NamedTuple):
-    """`rivals` need at least `demand` times as long as ours to bring W to the relative error `error`."""
+    """`rivals` need at least `demand` times as long as ours to reach the relative error `error` of
+    W.
+    """
 
     error: float
     demand: float
@@ -24,7 +26,9 @@ RK4 = ("RK4, events located",)
 OURS = "event-driven (ours)"
 
 WHOLE_PROCESS = 2.0
-"""Seconds of `rig run` on the fill protocol, from the start of Python to its end, on two cores that are free."""
+"""Limit in seconds of `rig run` on the fill protocol, from the start of Python to its end, on two
+free cores.
+"""
 
 CLAIMS = (
     Claim(1e-6, 1000.0, SOLVE_IVP, "best solve_ivp with events"),
@@ -35,8 +39,10 @@ CLAIMS = (
 
 
 def judged(rows: Sequence[Row]) -> list[Row]:
-    """A row per claim and problem, and one for all problems together, which decides: the sums of the times."""
-    precise = [row for row in rows if row["kind"] == "precision" and row["failure"] is None]
+    """Return one row per claim and problem, and one for all problems together, which decides by the
+    summed times.
+    """
+    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
     problems = list(dict.fromkeys(row["problem"] for row in precise))
     found = []
     for claim in CLAIMS:
@@ -49,8 +55,10 @@ def judged(rows: Sequence[Row]) -> list[Row]:
             rivals = {name: costs for name, costs in rivals.items() if costs}
             if not ours or not ours[0].reached or not rivals:
                 continue
+            # A rival that reaches the error beats any that does not, however fast.
             best = min(rivals, key=lambda name: (not rivals[name][0].reached, _median(rivals[name])))
             theirs = rivals[best]
+            # No rival reaches the error: the ratio is a lower bound.
             bound |= not theirs[0].reached
             sums.append(([cost.seconds for cost in theirs], [cost.seconds for cost in ours]))
             found.append(_row(claim, problem, best, sums[-1:], not theirs[0].reached))
@@ -60,9 +68,12 @@ def judged(rows: Sequence[Row]) -> list[Row]:
 
 
 def checked(rows: Sequence[Row]) -> list[Row]:
-    """What is claimed of the rig's parts, a row each: found, limit, and whether it is kept."""
+    """Return one row per claim about the rig's parts: measured value, limit, and whether it is
+    kept.
+    """
     found: list[Row] = []
-    recording = [row for row in rows if row["kind"] == "fill" and row["method"].startswith("recording")]
+    fill = _of(rows, "fill")
+    recording = [row for row in fill if row["method"].startswith("recording")]
     if recording:
         best = recording[-1]
         found.append(
@@ -75,8 +86,8 @@ def checked(rows: Sequence[Row]) -> list[Row]:
         )
     found += [
         _check(f"fill protocol, {row['method']}: s", row["s"]["median"], WHOLE_PROCESS)
-        for row in rows
-        if row["kind"] == "fill" and row["method"].startswith("whole process")
+        for row in fill
+        if row["method"].startswith("whole process")
     ]
     found += [
         _check(
@@ -85,15 +96,15 @@ def checked(rows: Sequence[Row]) -> list[Row]:
             row["speed"]["demand"],
             least=True,
         )
-        for row in rows
-        if row["kind"] == "part" and row.get("speed")
+        for row in _of(rows, "part")
+        if row.get("speed")
     ]
-    weighed = [row for row in rows if row["kind"] == "memory" and row["worker_MB"] is not None]
+    weighed = [row for row in _of(rows, "memory") if row["worker_MB"] is not None]
     if weighed:
         short, long = weighed[0], weighed[-1]
         grown = max(long[who] - short[who] for who in ("writer_MB", "worker_MB"))
         found.append(_check(f"memory, {long['method']}: MB more than for {short['method']}", grown, 5.0))
-    tier = [row for row in rows if row["kind"] == "layers" and row["method"] == "closed tier, 8 rows"]
+    tier = [row for row in _of(rows, "layers") if row["method"] == "closed tier, 8 rows"]
     if tier:
         found.append(
             _check("closed tier, 8 rows: ms a condition, slowest level", max(row["ms"]["median"] for row in tier), 10.0)
@@ -108,23 +119,25 @@ def checked(rows: Sequence[Row]) -> list[Row]:
             20.0,
             least=True,
         )
-        for row in rows
-        if row["kind"] == "coupled"
+        for row in _of(rows, "coupled")
     ]
     found += [
         _check(f"account of bed {row['problem']}, {row['cycles']} cycles: relative drift", row["drift"], 1e-9)
-        for row in rows
-        if row["kind"] == "drift"
+        for row in _of(rows, "drift")
     ]
     found += [
         {
             **_check(f"cost over {row['axis']}: exponent, error {row['error']:.2f}", row["exponent"], 1.0),
             "held": row["at_most_linear"],
         }
-        for row in rows
-        if row["kind"] == "exponent" and row["at_most_linear"] is not None
+        for row in _of(rows, "exponent")
+        if row["at_most_linear"] is not None
     ]
     return found
+
+
+def _of(rows: Sequence[Row], kind: str) -> list[Row]:
+    return [row for row in rows if row["kind"] == kind]
 
 
 def _check(what: str, value: float, limit: float, least: bool = False) -> Row:
@@ -133,8 +146,10 @@ def _check(what: str, value: float, limit: float, least: bool = False) -> Row:
 
 
 def _row(claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[float], list[float]]], bound: bool) -> Row:
-    slow = [sum(values) for values in zip(*(theirs for theirs, _ in times), strict=True)]
-    fast = [sum(values) for values in zip(*(ours for _, ours in times), strict=True)]
+    """Return the row of a claim from the times of rival and ours, per problem and round."""
+    theirs, ours = zip(*times, strict=True)
+    slow = [sum(values) for values in zip(*theirs, strict=True)]
+    fast = [sum(values) for values in zip(*ours, strict=True)]
     ratio = spread([a / b for a, b in zip(slow, fast, strict=True)])
     return {
         "kind": "claim",
@@ -151,12 +166,15 @@ def _row(claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[floa
 
 
 def _costs(rows: Sequence[Row], method: str, wanted: float) -> list[Cost]:
-    """What a method costs at an error, once for each round, us per cycle; nothing where it failed throughout."""
+    """Return the cost of a method at a given error, us per cycle, once for each round; empty where
+    it always failed.
+    """
     own = [row for row in rows if row["method"] == method]
     if not own:
         return []
     errors = [row["error"] for row in own]
-    return [cost_at(wanted, errors, times) for times in zip(*(row["us_each"] for row in own), strict=True)]
+    rounds = zip(*(row["us_each"] for row in own), strict=True)
+    return [cost_at(wanted, errors, times) for times in rounds]
 
 
 def _median(costs: Sequence[Cost]) -> float:

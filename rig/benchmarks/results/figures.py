@@ -1,4 +1,4 @@
-"""Work-precision, model ladder and scaling as figures, SVG and PNG; equal rows give equal bytes."""
+"""Work-precision, model variants and scaling as figures; equal rows give equal bytes."""
 
 import io
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from analysis.report.figures.axes import SERIES
 from analysis.report.figures.matplotlib_style import STYLE, svg
 from daq.whole_files import write_whole
-from rig.benchmarks.results.tables import SHORT
+from rig.benchmarks.results.tables import SHORT, own_rows, succeeded
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ DOTS_PER_INCH = 120
 
 
 class Drawn(NamedTuple):
-    """A figure: `name` of its files, `alt` what it shows, in words."""
+    """A figure: `name` of its files; `alt` describes it in words."""
 
     name: str
     alt: str
@@ -57,14 +57,14 @@ SCALING = Drawn(
 
 
 def drawn(rows: Sequence[Row]) -> list[Drawn]:
-    """The figures that the rows have numbers for."""
+    """Return the figures for which the rows have numbers."""
     kinds = {row["kind"] for row in rows}
     needs = ((PRECISION, "precision"), (LADDER, "layers"), (SCALING, "exponent"))
     return [figure for figure, kind in needs if kind in kinds]
 
 
 def write_figures(rows: Sequence[Row], folder: Path) -> list[Path]:
-    """Write every figure as NAME.svg and NAME.png; the paths. Raises OSError."""
+    """Write every figure as NAME.svg and NAME.png; return the paths. Raises OSError."""
     import matplotlib
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -82,13 +82,13 @@ def write_figures(rows: Sequence[Row], folder: Path) -> list[Path]:
 
 
 def precision_figure(rows: Sequence[Row]) -> "Figure":
-    """A panel per problem, a curve per method."""
-    precise = [row for row in rows if row["kind"] == "precision" and row["failure"] is None]
+    """Draw one panel per problem, one curve per method."""
+    precise = succeeded(rows)
     problems = list(dict.fromkeys(row["problem"] for row in precise))
     figure, panels = _panels(len(problems), "error of W", "µs per cycle")
     for axes, problem in zip(panels, problems, strict=True):
         for colour, (method, mark) in zip(SERIES, MARKS.items(), strict=True):
-            own = [row for row in precise if row["problem"] == problem and row["method"] == method]
+            own = own_rows(precise, problem, method)
             x = [max(row["error"], LEAST_ERROR) for row in own]
             y = [row["us_per_cycle"]["median"] for row in own]
             large = 11.0 if mark == "*" else 3.5
@@ -100,7 +100,7 @@ def precision_figure(rows: Sequence[Row]) -> "Figure":
 
 
 def ladder_figure(rows: Sequence[Row]) -> "Figure":
-    """Time against model error, a colour per model."""
+    """Draw time against model error, one colour per model."""
     own = [row for row in rows if row["kind"] == "layers"]
     figure, (axes,) = _panels(1, "error of W against many rows", "ms per condition")
     for number, method in enumerate(dict.fromkeys(row["method"] for row in own)):
@@ -119,11 +119,11 @@ def ladder_figure(rows: Sequence[Row]) -> "Figure":
 
 
 def scaling_figure(rows: Sequence[Row]) -> "Figure":
-    """A panel per axis."""
+    """Draw one panel per axis."""
     fits = [row for row in rows if row["kind"] == "exponent"]
     figure, panels = _panels(len(fits), "size", "ms")
     for axes, fit in zip(panels, fits, strict=True):
-        own = [row for row in rows if row["kind"] == "scaling" and row["axis"] == fit["axis"]]
+        own = [row for row in rows if (row["kind"], row.get("axis")) == ("scaling", fit["axis"])]
         x, y = [row["size"] for row in own], [row["ms"]["median"] for row in own]
         axes.plot(x, y, color=SERIES[0], marker="o", linestyle="none")
         middle_x, middle_y = (x[0] * x[-1]) ** 0.5, (y[0] * y[-1]) ** 0.5

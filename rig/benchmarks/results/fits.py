@@ -9,14 +9,18 @@ from rig.benchmarks.timing import ratios, spread
 Row = dict[str, Any]
 
 LINEAR = 1.0
-"""Largest exponent that is still at most linear; the error of the fit comes on top."""
+"""Largest exponent that is still at most linear, to which the error of the fit is added."""
 
 CLAIMED = ("layers", "rows", "cycles", "samples", "conditions")
 
 
 def workers(seconds: Mapping[float, list[float]]) -> list[Row]:
-    """The axis `workers` from the wall seconds of the same job with so many processes, round by round: its exponent is
-    -1 where every one counts in full, and the title tells how many times as fast the most of them are."""
+    """Return the rows of the axis `workers` from the wall seconds of one job by number of
+    processes, round by round.
+
+    The exponent is -1 where every process counts in full; the title states the speed-up of the
+    largest number.
+    """
     if len(seconds) < 2:
         return []
     most = max(seconds)
@@ -30,7 +34,7 @@ def workers(seconds: Mapping[float, list[float]]) -> list[Row]:
 
 
 def fitted(axis: str, what: str, seconds: Mapping[float, list[float]]) -> list[Row]:
-    """Rows of an axis from its times, by size and round."""
+    """Return the rows of an axis from its times, by size and round."""
     sizes = tuple(seconds)
     found: list[Row] = []
     for size, each in seconds.items():

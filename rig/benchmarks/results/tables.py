@@ -20,8 +20,8 @@ SHORT = {
 WANTED = (1e-4, 1e-6, 1e-9)
 
 
-class Table(NamedTuple):
-    """A table: `name` is its place on the page, `left` the columns with words in them."""
+class ResultTable(NamedTuple):
+    """A table of results: `name` is its place on the page, `left` the columns of words."""
 
     name: str
     title: str
@@ -30,8 +30,8 @@ class Table(NamedTuple):
     left: tuple[str, ...] = ()
 
 
-def tables(rows: Sequence[Row]) -> list[Table]:
-    """All tables that the rows have numbers for."""
+def tables(rows: Sequence[Row]) -> list[ResultTable]:
+    """Return all tables for which the rows have numbers."""
     found = [
         _claims(rows),
         _each(rows),
@@ -54,12 +54,14 @@ def tables(rows: Sequence[Row]) -> list[Table]:
 
 
 def spread(value: Row, digits: int = 3) -> str:
-    """A median with the least and the largest."""
+    """Return a median with the least and the largest value."""
     return f"{number(value['median'], digits)} ({number(value['low'], 2)} to {number(value['high'], 2)})"
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number to some digits, without an exponent between 1e-3 and 1e6; a dash for nothing."""
+    """Return a number to `digits` digits, without an exponent between 1e-3 and 1e6; a dash for
+    None.
+    """
     if value is None:
         return "-"
     if value == 0.0:
@@ -67,6 +69,30 @@ def number(value: float | None, digits: int = 3) -> str:
     if 1e-3 <= abs(value) < 1e6:
         return f"{float(f'{value:.{digits}g}'):f}".rstrip("0").rstrip(".")
     return f"{value:.{max(digits - 2, 0)}e}"
+
+
+def own_rows(rows: Sequence[Row], problem: str, method: str) -> list[Row]:
+    """Return the rows of one method on one problem, in order."""
+    return [row for row in rows if (row["problem"], row["method"]) == (problem, method)]
+
+
+def _cost(own: Sequence[Row], wanted: float) -> float | None:
+    """Return a method's microseconds per cycle at the error `wanted`, None if not reached."""
+    if not own:
+        return None
+    cost = cost_at(wanted, [row["error"] for row in own], [row["us_per_cycle"]["median"] for row in own])
+    return cost.seconds if cost.reached else None
+
+
+def succeeded(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of the work-precision curves without those of failed methods."""
+    return [row for row in _of(rows, "precision") if row["failure"] is None]
+
+
+def _yes_or_no(held: bool | None) -> str:
+    if held is None:
+        return "-"
+    return "yes" if held else "no"
 
 
 def _of(rows: Sequence[Row], kind: str) -> list[Row]:
@@ -77,7 +103,7 @@ def _verdict(held: bool) -> str:
     return "held" if held else "not held"
 
 
-def _claims(rows: Sequence[Row]) -> Table:
+def _claims(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             f"{row['error']:.0e}",
@@ -90,7 +116,7 @@ def _claims(rows: Sequence[Row]) -> Table:
         for row in _of(rows, "claim")
         if row["problem"] == "all"
     )
-    return Table(
+    return ResultTable(
         "claims",
         "Times as fast as the rival, all problems together",
         ("error", "rival", "problems", "demand", "found", ""),
@@ -99,18 +125,18 @@ def _claims(rows: Sequence[Row]) -> Table:
     )
 
 
-def _each(rows: Sequence[Row]) -> Table:
-    """Ratios problem by problem, a column for each claim."""
+def _each(rows: Sequence[Row]) -> ResultTable:
+    """Return the ratios problem by problem, a column for each claim."""
     own = [row for row in _of(rows, "claim") if row["problem"] != "all"]
     claims = list(dict.fromkeys((row["rivals"], row["error"], row["demand"]) for row in own))
     lines = []
     for problem in dict.fromkeys(row["problem"] for row in own):
         here = {(row["rivals"], row["error"], row["demand"]): row for row in own if row["problem"] == problem}
-        cells = [
-            f"{'> ' * row['at_least']}{number(row['ratio']['median'])}" if (row := here.get(claim)) else "-"
-            for claim in claims
-        ]
-        lines.append((problem, *cells))
+        cells = [problem]
+        for claim in claims:
+            row = here.get(claim)
+            cells.append(f"{'> ' * row['at_least']}{number(row['ratio']['median'])}" if row else "-")
+        lines.append(tuple(cells))
     columns = (
         "problem",
         *(
@@ -118,10 +144,12 @@ def _each(rows: Sequence[Row]) -> Table:
             for rivals, error, demand in claims
         ),
     )
-    return Table("each", "Times as fast as the rival, problem by problem (median)", columns, tuple(lines), ("problem",))
+    return ResultTable(
+        "each", "Times as fast as the rival, problem by problem (median)", columns, tuple(lines), ("problem",)
+    )
 
 
-def _checks(rows: Sequence[Row]) -> Table:
+def _checks(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             row["what"],
@@ -131,24 +159,20 @@ def _checks(rows: Sequence[Row]) -> Table:
         )
         for row in _of(rows, "check")
     )
-    return Table("checks", "Limits of the parts", ("what", "limit", "found", ""), lines, ("what", "limit", ""))
+    return ResultTable("checks", "Limits of the parts", ("what", "limit", "found", ""), lines, ("what", "limit", ""))
 
 
-def _costs(rows: Sequence[Row], wanted: float) -> Table:
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+def _costs(rows: Sequence[Row], wanted: float) -> ResultTable:
+    precise = succeeded(rows)
     problems = dict.fromkeys(row["problem"] for row in precise)
     methods = [name for name in SHORT if any(row["method"] == name for row in precise)]
     lines = []
     for problem in problems:
         cells = [problem]
         for method in methods:
-            own = [row for row in precise if row["problem"] == problem and row["method"] == method]
-            cost = (
-                cost_at(wanted, [r["error"] for r in own], [r["us_per_cycle"]["median"] for r in own]) if own else None
-            )
-            cells.append(number(cost.seconds) if cost is not None and cost.reached else "-")
+            cells.append(number(_cost(own_rows(precise, problem, method), wanted)))
         lines.append(tuple(cells))
-    return Table(
+    return ResultTable(
         f"cost_{wanted:.0e}",
         f"Microseconds per cycle for an error of {wanted:.0e} in W (- : not reached)",
         ("problem", *(SHORT[name] for name in methods)),
@@ -157,14 +181,16 @@ def _costs(rows: Sequence[Row], wanted: float) -> Table:
     )
 
 
-def _work(rows: Sequence[Row]) -> Table:
-    """Work per cycle of the coarsest setting that brings W to 1e-6, on the first problem with friction and impacts."""
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+def _work(rows: Sequence[Row]) -> ResultTable:
+    """Return the work per cycle of the coarsest setting that brings W to 1e-6, on the first problem
+    with friction and impacts.
+    """
+    precise = succeeded(rows)
     problems = list(dict.fromkeys(row["problem"] for row in precise))
     problem = next((name for name in problems if name.startswith("friction")), problems[0] if problems else "")
     lines = []
     for method, short in SHORT.items():
-        own = [row for row in precise if row["problem"] == problem and row["method"] == method and row["error"] <= 1e-6]
+        own = [row for row in own_rows(precise, problem, method) if row["error"] <= 1e-6]
         if own:
             row = own[0]
             lines.append(
@@ -177,7 +203,7 @@ def _work(rows: Sequence[Row]) -> Table:
                     number(row["memory_kB"], 2),
                 )
             )
-    return Table(
+    return ResultTable(
         "work",
         f"Work per cycle, {problem}: the coarsest setting at or below 1e-6",
         ("method", "setting", "error", "us", "events", "steps", "rhs", "roots", "kB"),
@@ -186,13 +212,15 @@ def _work(rows: Sequence[Row]) -> Table:
     )
 
 
-def _states(rows: Sequence[Row]) -> Table:
-    """How far the mass is from where it should be, on the first problem in which it moves when a cycle ends."""
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None and "state_error" in row]
+def _states(rows: Sequence[Row]) -> ResultTable:
+    """Return the error of the state, on the first problem in which the mass moves at the end of a
+    cycle.
+    """
+    precise = [row for row in succeeded(rows) if "state_error" in row]
     problem = next((row["problem"] for row in precise if row["problem"].startswith("block")), "")
     lines = []
     for method, short in SHORT.items():
-        own = [row for row in precise if row["problem"] == problem and row["method"] == method]
+        own = own_rows(precise, problem, method)
         near = [row for row in own if row["error"] <= 1e-6] or own[-1:]
         lines += [
             (
@@ -205,10 +233,10 @@ def _states(rows: Sequence[Row]) -> Table:
             for row in near[:1]
         ]
     columns = ("method", "setting", "cycles", "error of W", "error of the state")
-    return Table("states", f"State behind the last cycle, {problem}", columns, tuple(lines), ("method",))
+    return ResultTable("states", f"State after the last cycle, {problem}", columns, tuple(lines), ("method",))
 
 
-def _layers(rows: Sequence[Row]) -> Table:
+def _layers(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             f"{row['level']:g}",
@@ -221,7 +249,7 @@ def _layers(rows: Sequence[Row]) -> Table:
         )
         for row in _of(rows, "layers")
     )
-    return Table(
+    return ResultTable(
         "layers",
         "The standard bed: what a model costs and what it errs",
         ("m/s2", "model", "W_T mJ", "ms", "numerics", "against many rows", "times ours, same cycles"),
@@ -230,7 +258,7 @@ def _layers(rows: Sequence[Row]) -> Table:
     )
 
 
-def _small_beds(rows: Sequence[Row]) -> Table:
+def _small_beds(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             row["problem"],
@@ -244,10 +272,10 @@ def _small_beds(rows: Sequence[Row]) -> Table:
         if row["failure"] is None
     )
     columns = ("bed", "method", "setting", "error of W", "ms", "times as long as ours")
-    return Table("small_beds", "A bed of few rows, whole, 8 cycles", columns, lines, ("bed", "method"))
+    return ResultTable("small_beds", "A bed of few rows, whole, 8 cycles", columns, lines, ("bed", "method"))
 
 
-def _fill(rows: Sequence[Row]) -> Table:
+def _fill(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             row["method"],
@@ -257,10 +285,12 @@ def _fill(rows: Sequence[Row]) -> Table:
         )
         for row in _of(rows, "fill")
     )
-    return Table("fill", "The fill protocol, 160 runs", ("what", "s", "rig time s", "times faster"), lines, ("what",))
+    return ResultTable(
+        "fill", "The fill protocol, 160 runs", ("what", "s", "rig time s", "times faster"), lines, ("what",)
+    )
 
 
-def _parts(rows: Sequence[Row]) -> Table:
+def _parts(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             row["problem"],
@@ -271,23 +301,23 @@ def _parts(rows: Sequence[Row]) -> Table:
         )
         for row in _of(rows, "part")
     )
-    return Table(
+    return ResultTable(
         "parts", "Parts beside their rivals", ("part", "method", "ms", "error", "kB"), lines, ("part", "method")
     )
 
 
-def _exponents(rows: Sequence[Row]) -> Table:
+def _exponents(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (
             row["axis"],
             row["what"],
             f"{row['sizes'][0]:g} to {row['sizes'][1]:g}",
             f"{row['exponent']:.2f} +- {2.0 * row['error']:.2f}",
-            "-" if row["at_most_linear"] is None else ("yes" if row["at_most_linear"] else "no"),
+            _yes_or_no(row["at_most_linear"]),
         )
         for row in _of(rows, "exponent")
     )
-    return Table(
+    return ResultTable(
         "exponents",
         "How cost grows: time ~ size^exponent",
         ("axis", "what", "sizes", "exponent", "at most linear"),
@@ -296,18 +326,22 @@ def _exponents(rows: Sequence[Row]) -> Table:
     )
 
 
-def _sizes(rows: Sequence[Row]) -> Table:
+def _sizes(rows: Sequence[Row]) -> ResultTable:
     lines = tuple((row["axis"], f"{row['size']:g}", spread(row["ms"])) for row in _of(rows, "scaling"))
-    return Table("sizes", "Times behind the exponents", ("axis", "size", "ms"), lines, ("axis",))
+    return ResultTable("sizes", "Times behind the exponents", ("axis", "size", "ms"), lines, ("axis",))
 
 
 def break_even(compiling: float, own: float, rival: float) -> float | None:
-    """Cycles after which compiling has paid, from seconds of it and microseconds per cycle; None for never."""
+    """Return the cycles after which compiling (s) has paid, from costs in microseconds per cycle;
+    None for never.
+    """
     return compiling / (1e-6 * (rival - own)) if rival > own else None
 
 
-def _compiling(rows: Sequence[Row]) -> Table:
-    """What compiling takes, and after how many cycles of a slider it has paid against scipy, which compiles nothing."""
+def _compiling(rows: Sequence[Row]) -> ResultTable:
+    """Return the compiling times, and the cycles of a slider after which they have paid against
+    scipy, which compiles nothing.
+    """
     own = {method: _mean_cost(rows, (method,)) for method in SHORT}
     scipy = _mean_cost(rows, [name for name in SHORT if name.startswith("solve_ivp")])
     lines = []
@@ -325,34 +359,35 @@ def _compiling(rows: Sequence[Row]) -> Table:
             )
         )
     columns = ("what", "first s", "later s", "compiling s", "us per cycle", "cycles until it has paid")
-    return Table("compiling", "Compiling: the first time and later", columns, tuple(lines), ("what",))
+    return ResultTable("compiling", "Compiling: the first time and later", columns, tuple(lines), ("what",))
 
 
 def _mean_cost(rows: Sequence[Row], methods: Sequence[str], wanted: float = 1e-6) -> float | None:
-    """Microseconds per cycle for an error of 1e-6, the mean over the problems of the best of these methods; None where
-    a problem has none that reaches it."""
-    precise = [row for row in _of(rows, "precision") if row["failure"] is None]
+    """Return the microseconds per cycle for the error `wanted`: the best of these methods, averaged
+    over the problems.
+
+    None where a problem has no method that reaches it.
+    """
+    precise = succeeded(rows)
     best = []
     for problem in dict.fromkeys(row["problem"] for row in precise):
         costs = []
         for method in methods:
-            own = [row for row in precise if row["problem"] == problem and row["method"] == method]
-            cost = (
-                cost_at(wanted, [r["error"] for r in own], [r["us_per_cycle"]["median"] for r in own]) if own else None
-            )
-            costs += [cost.seconds] if cost is not None and cost.reached else []
+            cost = _cost(own_rows(precise, problem, method), wanted)
+            if cost is not None:
+                costs.append(cost)
         if not costs:
             return None
         best.append(min(costs))
     return sum(best) / len(best) if best else None
 
 
-def _drift(rows: Sequence[Row]) -> Table:
+def _drift(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (row["problem"], str(row["cycles"]), f"{row['drift']:.1e}", f"{row['largest_J']:.1e}")
         for row in _of(rows, "drift")
     )
-    return Table(
+    return ResultTable(
         "drift",
         "Account of a bed over many cycles",
         ("bed", "cycles", "left over / W", "worst cycle J"),
@@ -361,18 +396,20 @@ def _drift(rows: Sequence[Row]) -> Table:
     )
 
 
-def _memory(rows: Sequence[Row]) -> Table:
+def _memory(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (row["problem"], row["method"], number(row["writer_MB"]), number(row["worker_MB"]))
         for row in _of(rows, "memory")
     )
-    return Table("memory", "Peak memory", ("what", "record", "writer MB", "worker MB"), lines, ("what", "record"))
+    return ResultTable("memory", "Peak memory", ("what", "record", "writer MB", "worker MB"), lines, ("what", "record"))
 
 
-def _failures(rows: Sequence[Row]) -> Table:
+def _failures(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
         (row["problem"], row.get("method", "-"), f"{row['setting']:g}" if "setting" in row else "-", row["failure"])
         for row in rows
         if row.get("failure")
     )
-    return Table("failures", "Failed", ("problem", "method", "setting", "why"), lines, ("problem", "method", "why"))
+    return ResultTable(
+        "failures", "Failed", ("problem", "method", "setting", "why"), lines, ("problem", "method", "why")
+    )

@@ -13,7 +13,7 @@ from rig.errors import InputError, Mistake
 
 
 def calibrate_rig(campaign: Campaign, target: float, out: Path, force: bool, as_json: bool) -> None:
-    """Write a rig file with the losses that cause the target offset of the energy-weighted ratio."""
+    """Write a rig file with the losses that cause the target offset of the weighted ratio."""
     if out.exists() and not force:
         raise InputError(Mistake(str(out), "", "a file that exists", "a new path, or --force to replace it"))
     with progress("runs", as_json) as watch:

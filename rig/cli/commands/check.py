@@ -86,13 +86,12 @@ def _print_choices(campaign: Campaign) -> None:
     is out of reach.
     """
     console = terminal()
-    lines = [
-        (
-            name, number(c.rows), *map(str, (c.settle, c.record)), f"{100 * c.error:.2g}",
-            *(f"{100 * part:.2g}" for part in (c.error_rows, c.error_window, c.error_noise)), "yes" if c.met else "no",
-        )
-        for name, c in campaign.choices.items()
-    ]  # fmt: skip
+    lines = []
+    for name, c in campaign.choices.items():
+        errors = (c.error, c.error_rows, c.error_window, c.error_noise)
+        percents = [f"{100 * error:.2g}" for error in errors]
+        met = "yes" if c.met else "no"
+        lines.append((name, number(c.rows), str(c.settle), str(c.record), *percents, met))
     tolerance = next(iter(campaign.choices.values())).tolerance
     title = (
         f"Fidelity auto, tolerance {100 * tolerance:g} % of W per cycle: rows per layer, cycles, predicted error in %"
@@ -109,40 +108,37 @@ def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swe
     level or an energy.
     """
     console = terminal()
-    rows = [
-        (
-            o.id, o.material, o.bed, f"{100 * o.fill:g}",
-            "-" if o.id in swept else number(o.acceleration),
-            f"{o.samples_per_cycle:.0f}",
-            *(f"{used:.2f}" for used in (o.exciter.force, o.exciter.current, o.exciter.voltage, o.exciter.stroke)),
-            f"{o.exciter.peak:.2f}", f"{max(o.range_force, o.range_acceleration):.2f}",
-        )
-        for o in outlooks
-    ]  # fmt: skip
+    rows = []
+    for o in outlooks:
+        level = "-" if o.id in swept else number(o.acceleration)
+        use = o.exciter
+        largest_range = max(o.range_force, o.range_acceleration)
+        limits = (use.force, use.current, use.voltage, use.stroke, use.peak, largest_range)
+        settings = (o.id, o.material, o.bed, f"{100 * o.fill:g}", level, f"{o.samples_per_cycle:.0f}")
+        rows.append((*settings, *(f"{value:.2f}" for value in limits)))
     columns = ("id", "grains", "bed", "fill", "a", "S/cyc", "force", "curr.", "volt.", "stroke", "peak", "range")
-    console.print(table("Shares of the limits of exciter and front end: 1 is the limit", columns, rows,
+    console.print(table("Utilisation of the limits of exciter and front end: 1 is the limit", columns, rows,
                         ("id", "grains", "bed")))  # fmt: skip
-    lines = [
-        (
-            o.id, *map(millijoules, (o.W_T, o.W_exp)), *(millijoules(value, 2) for value in (
-                o.U_W_exp, o.W_detect, o.smallest_difference)),
-            "-" if o.repeats_needed is None else str(o.repeats_needed),
-        )
-        for o in outlooks if o.id not in swept
-    ]  # fmt: skip
+    lines = []
+    for o in outlooks:
+        if o.id in swept:
+            continue  # a sweep has no single level, so no energy is predicted
+        energy = (millijoules(o.W_T), millijoules(o.W_exp))
+        resolution = [millijoules(value, 2) for value in (o.U_W_exp, o.W_detect, o.smallest_difference)]
+        needed = "-" if o.repeats_needed is None else str(o.repeats_needed)
+        lines.append((o.id, *energy, *resolution, needed))
     energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference", "repeats for 7 %")
     if lines:
         console.print(
             table(
-                "Plan, mJ per cycle: what the repeats will be able to tell (95 %), - for one repeat; repeats for "
-                "U of 7 %",
+                "Plan, mJ per cycle: resolution of the repeats (95 %), - for one repeat; repeats for U of 7 %",
                 energies,
                 lines,
                 ("id",),
             )
         )
     if swept:
-        console.print(f"No energy is stated of sweeps: {', '.join(sorted(swept))}")
+        console.print(f"No energy is stated for sweeps: {', '.join(sorted(swept))}")
     for o in outlooks:
         for flag in o.flags:
             console.print(f"{o.id}: {flag}")

@@ -70,6 +70,7 @@ def _check_target(file: Path, session: Path, force: bool) -> None:
             raise InputError(Mistake("--out", "", f"{target}, which is a folder", "the path of a file"))
         if target.exists() and target.samefile(session):
             raise InputError(Mistake("--out", "", f"{target}, which is the session itself", "another path"))
+    # A record of ours is known by the file beside it; anything else may be the user's own work.
     known = is_sidecar(beside)
     for target in (file, beside):
         if os.path.lexists(target) and not known and not force:
@@ -129,6 +130,7 @@ def _write(path: Path, to: str, record: Record, info: RunInfo, raw: bool) -> Non
     else:
         write_sep005(path, waves)
     with path.open("rb") as content:
+        # Taken from the finished file, so that the document belongs to these bytes only.
         document["sha256"] = hashlib.file_digest(content, "sha256").hexdigest()
     write_whole(sidecar_of(path), json_text(document) + "\n")
 
@@ -167,6 +169,7 @@ def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
     condition = record.conditions[info.condition]
     period = info.rate / condition["frequency"]
     blocks = record.blocks(info.name)
+    # Only blocks with a flag are listed: most records have none.
     flagged = blocks[(blocks["flags"] != 0).any(axis=1)]
     reference = _delay(record.channels[names[0]], info.rate)
     return {

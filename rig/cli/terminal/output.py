@@ -1,4 +1,4 @@
-"""Output shared by the commands: results on the terminal or as JSON, and the number of processors."""
+"""Output shared by the commands: results as tables or JSON, and the number of processors."""
 
 import os
 import sys

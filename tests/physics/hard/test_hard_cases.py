@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rig.benchmarks.hard.case import Case, Outcome, at_least, at_most, decade, exactly
+from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, decade, exactly
 from rig.benchmarks.hard.suite import CASES, outcome
 from rig.benchmarks.stability import PAGE, differences, page
 from rig.theory.single_mass import SingleMass, slug_total
@@ -46,8 +46,8 @@ def test_pages_may_differ_by_what_machines_round_apart_and_no_more() -> None:
 def test_what_is_not_a_number_holds_no_limit() -> None:
     nan = float("nan")
     assert not any(m.held for m in (at_most("", nan, 1.0), at_least("", nan, 0.0), exactly("", nan, nan)))
-    assert not Outcome(()).held
-    assert not Outcome((at_most("", 1.0, 2.0),), naive=(at_least("", 1.0, 2.0),)).held
+    assert not CaseOutcome(()).held
+    assert not CaseOutcome((at_most("", 1.0, 2.0),), naive=(at_least("", 1.0, 2.0),)).held
 
 
 @pytest.mark.parametrize(
