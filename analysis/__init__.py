@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from analysis.results.compared import Comparison
     from analysis.results.report import Report
     from analysis.results.run import RunEnergy
-    from analysis.session.record import AnalysisError, Record
+    from analysis.session.record import AnalysisError, RecordedSession
     from analysis.session.setting import Setting
     from analysis.uncertainty.estimate import Estimate
 
@@ -28,7 +28,7 @@ __all__ = [
     "Comparison",
     "Energy",
     "Estimate",
-    "Record",
+    "RecordedSession",
     "Report",
     "RunEnergy",
     "Setting",
@@ -47,7 +47,7 @@ _HOME = {
     "Comparison": "analysis.results.compared",
     "Energy": "analysis.energy.energies",
     "Estimate": "analysis.uncertainty.estimate",
-    "Record": "analysis.session.record",
+    "RecordedSession": "analysis.session.record",
     "Report": "analysis.results.report",
     "RunEnergy": "analysis.results.run",
     "Setting": "analysis.session.setting",

@@ -24,7 +24,7 @@ from analysis.session.exciter import SessionExciter
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import EXACT
 from analysis.session.protocol import SessionProtocol, SessionRig
-from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts, Signal, Truth
+from analysis.session.record import AnalysisError, ChannelFacts, RecordedSession, RunFacts, Signal, Truth
 from analysis.session.setting import LOOP_BACK, Setting
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.signals.quality import Scrutiny
@@ -51,7 +51,7 @@ SignalOf = Callable[[str, str, int, int], Signal]
 
 
 def run_energy(
-    record: Record, run: RunFacts | str, tolerate_gaps: bool = False, signal: SignalOf | None = None
+    record: RecordedSession, run: RunFacts | str, tolerate_gaps: bool = False, signal: SignalOf | None = None
 ) -> RunEnergy:
     """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
 
@@ -63,7 +63,7 @@ def run_energy(
     return Reader(record, tolerate_gaps, signal).energy(record.run(run) if isinstance(run, str) else run)
 
 
-def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
+def energies_of(record: RecordedSession, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
     """Energies of runs by name, as `run_energy` finds them; without those that cannot be used."""
     reader, found = Reader(record, tolerate_gaps), {}
     for name in names:
@@ -75,7 +75,7 @@ def energies_of(record: Record, names: Iterable[str], tolerate_gaps: bool = Fals
 class Reader:
     """Reads the runs of one record: what the record and its conditions say is looked up and checked once."""
 
-    def __init__(self, record: Record, tolerate_gaps: bool = False, signal: SignalOf | None = None) -> None:
+    def __init__(self, record: RecordedSession, tolerate_gaps: bool = False, signal: SignalOf | None = None) -> None:
         self._record = record
         self._signal = signal or record.signal
         self._tolerate_gaps = tolerate_gaps
@@ -165,7 +165,7 @@ def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mappi
         raise AnalysisError(f"{run.name}: {error}") from error
 
 
-def window_range(record: Record, run: RunFacts) -> tuple[float, float]:
+def window_range(record: RecordedSession, run: RunFacts) -> tuple[float, float]:
     """Return the first sample of the whole cycles that count, and one past the last.
 
     Fractional where a cycle has no whole number of samples. Where there are no such cycles (a sweep, a loop-back, a
@@ -182,7 +182,7 @@ def window_range(record: Record, run: RunFacts) -> tuple[float, float]:
     return window.start, window.start + window.cycles * window.grid.period
 
 
-def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
+def _stretches(record: RecordedSession, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
     """The window, or where gaps are tolerated its whole cycles on either side of every broken block: nothing is ever
     joined over one. AnalysisError where none is left."""
     if not tolerate_gaps or not run.flags & BROKEN:
@@ -196,14 +196,14 @@ def _stretches(record: Record, run: RunFacts, window: Window, tolerate_gaps: boo
     return left
 
 
-def _clip_ratio(record: Record, run: RunFacts) -> float:
+def _clip_ratio(record: RecordedSession, run: RunFacts) -> float:
     """Largest share of a channel's samples that lie at a rail."""
     blocks = record.blocks(run.name)
     return float(blocks["clipped"].sum(axis=0).max()) / max(int(blocks["count"].sum()), 1)
 
 
 def _coil(
-    record: Record, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: SessionExciter | None
+    record: RecordedSession, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: SessionExciter | None
 ) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
     channel = record.channels.get(CURRENT)
@@ -229,7 +229,7 @@ def _at_box(setting: Setting, energy: Energy, exciter: SessionExciter | None) ->
 
 
 def read_session(
-    record: Record, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
+    record: RecordedSession, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
 ) -> Report:
     """The report of a session from its record alone.
 
@@ -279,7 +279,7 @@ def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
     return (*flag_names(run.flags & SETTLED), *_limits(scalars), *_stops(scalars))
 
 
-def _loop_back(record: Record, run: RunFacts) -> LoopBack:
+def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
     if not run.complete:
         raise AnalysisError(f"{run.name} is not complete")
     setting, force = Setting.of(record.conditions[run.condition]), _channel(record, FORCE)
@@ -293,7 +293,7 @@ def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
     return found if found.files() else None
 
 
-def _channel(record: Record, name: str) -> ChannelFacts:
+def _channel(record: RecordedSession, name: str) -> ChannelFacts:
     if name not in record.channels:
         raise AnalysisError(f"the record has no channel {name!r}; it has {', '.join(record.channels)}")
     return record.channels[name]

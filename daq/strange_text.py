@@ -5,13 +5,10 @@ A session, a mapping, the header of a record or a file name may hold anything. I
 are written as escapes (`\x1b`, `\u202e`), so that the reader sees that they are there.
 """
 
-import json
 import re
-from typing import Any, Literal
+from typing import Any
 
-from daq.indented import indented
-
-__all__ = ["HIDDEN", "LINES", "cell_text", "json_text", "visible"]
+__all__ = ["HIDDEN", "LINES", "cell_text", "visible"]
 
 LINES = "\n\t"
 """Control characters that text of several lines may keep."""
@@ -28,8 +25,6 @@ allow; line and paragraph separators; and Unicode's Default_Ignorable_Code_Point
 (DerivedCoreProperties.txt), which includes bidirectional controls and zero-width characters.
 """
 
-_BUT_LINES = re.compile(rf"(?!\n){HIDDEN.pattern}")
-
 _FORMULA = re.compile(r"""(^|;)(?=[\s"']*[=+\-@\t\r\n＝＋－＠])""")
 """Places where a spreadsheet may begin a formula: the start of a cell, after spaces and quotes, and
 after a semicolon, which is the cell separator in half of the world.
@@ -39,17 +34,6 @@ after a semicolon, which is the cell separator in half of the world.
 def visible(text: str, keep: str = "") -> str:
     """Return text with its hidden characters escaped, except those in `keep`."""
     return HIDDEN.sub(lambda found: found[0] if found[0] in keep else _escaped(found[0]), text)
-
-
-def json_text(value: Any, indent: Literal[1] | None = 1) -> str:
-    """Return JSON text in which hidden characters are JSON escapes, so that it reads back to the
-    same value.
-    """
-    one_line = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
-    text = one_line(value) if indent is None else indented(value)
-    if text.isascii() and "\x7f" not in text:  # the encoder escapes all other ASCII controls
-        return text
-    return _BUT_LINES.sub(lambda found: _json_escaped(found[0]), text)
 
 
 def cell_text(value: Any) -> Any:
@@ -69,7 +53,3 @@ def _escaped(character: str) -> str:
     if code < 0x100:
         return f"\\x{code:02x}"
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
-
-
-def _json_escaped(character: str) -> str:
-    return json.dumps(character)[1:-1] if character != "\x7f" else "\\u007f"

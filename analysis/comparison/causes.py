@@ -24,7 +24,7 @@ SCALES = {"force sensitivity", "acceleration sensitivity", "force gain", "accele
 
 
 @dataclass(frozen=True)
-class Point:
+class OperatingPoint:
     """A box at work. SI; M: box, gauge side and bed, kg; M_eff: apparent mass; W, W_T: J per cycle; n = dlnW_T/dlna."""
 
     acceleration: float
@@ -48,7 +48,7 @@ class Point:
         return self.acceleration / self.omega**2
 
 
-Form = Callable[[Point], float]
+Form = Callable[[OperatingPoint], float]
 
 
 @dataclass(frozen=True)
@@ -97,14 +97,14 @@ def causes(
 def _candidates(rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]) -> tuple[Cause, ...]:
     force, acceleration = channels["force"], channels["acceleration"]
 
-    def phase(p: Point) -> float:
+    def phase(p: OperatingPoint) -> float:
         return math.pi * p.M_eff * p.omega**2 * p.X**2 * angle_uncertainty(force, acceleration, p.frequency).U
 
-    def scale(p: Point) -> float:
+    def scale(p: OperatingPoint) -> float:
         lines = certificate_lines(force, acceleration, p.frequency, p.W, 0.0, p.W_T, p.n)
         return 2 * math.sqrt(math.fsum((line.part - line.part_T) ** 2 for line in lines if line.source in SCALES))
 
-    def cords(p: Point) -> float:
+    def cords(p: OperatingPoint) -> float:
         return math.pi * rig["cord_loss_factor"] * p.M * (2 * math.pi * rig["cord_frequency"]) ** 2 * p.X**2
 
     return (
@@ -127,19 +127,19 @@ def _candidates(rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]) 
     )  # fmt: skip
 
 
-def _point(result: Result) -> Point:
+def _point(result: Result) -> OperatingPoint:
     s = result.setting
     M = s.box_mass + s.gauge_mass + s.bed_mass
     W_T = result.W_T.value if result.W_T else 0.0
     exponent = result.predicted.exponent or 0.0
-    return Point(
+    return OperatingPoint(
         result.mean("level"), s.frequency, M, result.mean("M_eff"), result.W_exp.value, W_T, exponent, s.fill or 0.0,
         (s.bed, s.material, s.density, s.diameter), (s.frequency, s.acceleration_set),
     )  # fmt: skip
 
 
 def _row(
-    cause: Cause, results: Sequence[Result], points: Mapping[str, Point], energies: Mapping[str, float],
+    cause: Cause, results: Sequence[Result], points: Mapping[str, OperatingPoint], energies: Mapping[str, float],
     form: Form | None, in_run: bool,
 ) -> CauseRow:  # fmt: skip
     known = [(points[name], energy) for name, energy in energies.items()]
@@ -164,7 +164,11 @@ def _row(
 
 
 def _left(
-    results: Sequence[Result], points: Mapping[str, Point], energies: Mapping[str, float], form: Form | None, bed: bool
+    results: Sequence[Result],
+    points: Mapping[str, OperatingPoint],
+    energies: Mapping[str, float],
+    form: Form | None,
+    bed: bool,
 ) -> tuple[float | None, str | None]:
     """Energy in the empty box (bed: with a locked bed) over the largest W_T at the same level, summed over the levels;
     from such conditions of the run where there are any, else by the closed form."""
@@ -190,7 +194,7 @@ def _left(
     return (math.fsum(energy for energy, _ in found) / total, source) if total else (None, None)
 
 
-def _still(result: Result, points: Mapping[str, Point], bed: bool) -> Point:
+def _still(result: Result, points: Mapping[str, OperatingPoint], bed: bool) -> OperatingPoint:
     """The same box, its grains taken out or bonded to it: nothing but mass."""
     point = points[result.setting.id]
     M = point.M if bed else point.M - result.setting.bed_mass

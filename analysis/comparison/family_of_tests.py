@@ -8,17 +8,18 @@ two-sided tests that makes the critical value larger, never smaller (Sidak, J. A
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.results.condition import Result
+from analysis.results.judged_rows import ReferenceRow
 from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate, coverage_factor
 
 __all__ = [
-    "ALONE", "CHAIN_SHARE", "FAILS", "Zero", "chain_tests", "common", "critical_score", "needed", "sign_tests",
+    "ALONE", "CHAIN_SHARE", "FAILS", "Reference", "Zero", "chain_tests", "common", "critical_score", "needed", "sign_tests",
 ]  # fmt: skip
 
 LEVEL = 0.95
@@ -46,6 +47,34 @@ class Zero:
 
         score = -float(ndtri(self.found.p() / 2))
         return math.copysign(score, -self.found.value) if self.one_sided else score
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad) or "signs" (nothing
+    measured).
+    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
+    tested: what it puts into that family."""
+
+    reference: str
+    of: str
+    unit: str
+    value: float | None
+    expected: float | None
+    U: float | None
+    verdict: str
+    why: str
+    tested: tuple[Zero, ...] = ()
+
+    def judged(self, limit: float) -> "Reference":
+        """The same, that does not hold where a score is beyond the family's critical one."""
+        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
+
+    def row(self) -> ReferenceRow:
+        """The report's entry."""
+        return ReferenceRow(
+            self.reference, self.of, self.unit, self.value, self.expected, self.U, self.verdict, self.why
+        )
 
 
 def common(lines: Iterable[Line]) -> dict[str, float]:

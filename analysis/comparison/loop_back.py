@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from analysis.comparison.family_of_tests import Zero
-from analysis.comparison.null_tests import Null
+from analysis.comparison.null_tests import NullTest
 from analysis.energy.per_cycle import harmonics
-from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts
+from analysis.session.record import AnalysisError, ChannelFacts, RecordedSession, RunFacts
 from analysis.signals.cycles import Window, on_grid
 from analysis.uncertainty.budget import ANGLE_RESOLUTION, RESOLUTION, combine, inputs_angle, inputs_gain, scatter_line
 from analysis.uncertainty.estimate import Estimate
@@ -38,7 +38,7 @@ class LoopBack:
     u: float
 
 
-def loop_back(record: Record, run: RunFacts, window: Window, frequency: float) -> LoopBack:
+def loop_back(record: RecordedSession, run: RunFacts, window: Window, frequency: float) -> LoopBack:
     """What a run of the loop-back tells. AnalysisError for one with missing or clipped samples, or without signal."""
     volts, noise = [], 0.0
     channels = [record.channels[name] for name in ("force", "acceleration")]
@@ -67,7 +67,7 @@ def _undone(channel: ChannelFacts, rate: float, frequency: float) -> complex:
     return turn * (1 - 1j * channel.corner / frequency)
 
 
-def loop_back_nulls(found: Sequence[LoopBack], channels: Mapping[str, ChannelFacts]) -> tuple[Null, ...]:
+def loop_back_nulls(found: Sequence[LoopBack], channels: Mapping[str, ChannelFacts]) -> tuple[NullTest, ...]:
     """A null test for each frequency of the loop-backs."""
     force, acceleration = channels["force"], channels["acceleration"]
     grouped: dict[float, list[LoopBack]] = defaultdict(list)
@@ -86,7 +86,7 @@ def loop_back_nulls(found: Sequence[LoopBack], channels: Mapping[str, ChannelFac
         )
         verdict = "holds" if holds else "undecided"
         tested = (Zero(dphi, {}), Zero(ratio, {}))
-        nulls.append(Null("loop-back", 0.0, frequency, len(ones), dphi, verdict, why, ratio, tested))
+        nulls.append(NullTest("loop-back", 0.0, frequency, len(ones), dphi, verdict, why, ratio, tested))
     return tuple(nulls)
 
 

@@ -26,7 +26,7 @@ from analysis.uncertainty.budget import ANGLE_RESOLUTION, angle_uncertainty, cer
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.partly_known_scatter import coefficient
 
-__all__ = ["Null", "null_tests"]
+__all__ = ["NullTest", "null_tests"]
 
 LEVELS = 3
 THROUGH_STINGER = "the acceleration is read at the stinger's other end: what the stinger loses looks like an angle"
@@ -35,7 +35,7 @@ SHARES = 0.0, 0.5, 0.9, 1.0  # of a scatter that grows as W, the rest as the lev
 
 
 @dataclass(frozen=True, slots=True)
-class Null:
+class NullTest:
     """A null test: "locked" or "carried" bed, or "loop-back" (analysis.comparison.loop_back); levels: of the drive, of
     a loop-back its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U,
     undecided beyond, until the family of all tests says that it does not hold (judged); tested: what it puts into that
@@ -51,7 +51,7 @@ class Null:
     gain: Estimate | None = None
     tested: tuple[Zero, ...] = ()
 
-    def judged(self, limit: float) -> "Null":
+    def judged(self, limit: float) -> "NullTest":
         """The same, that does not hold where a score is beyond the family's critical one."""
         return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
 
@@ -75,7 +75,7 @@ class Null:
 
 def null_tests(
     settings: Mapping[str, Setting], runs: Mapping[str, Sequence[RunEnergy]], channels: Mapping[str, ChannelFacts]
-) -> tuple[Null, ...]:
+) -> tuple[NullTest, ...]:
     """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency and place of the
     instruments.
 
@@ -91,7 +91,7 @@ def null_tests(
             kind = "locked" if setting.bed == "locked" else "carried"
             bonded[kind, setting.bed_mass, setting.frequency, *setting.places].append(name)
     return tuple(
-        Null(kind, mass, at[0], len(names), None, "undecided", THROUGH_STINGER)
+        NullTest(kind, mass, at[0], len(names), None, "undecided", THROUGH_STINGER)
         if settings[names[0]].through_stinger
         else _test(kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels)
         for (kind, mass, *at), names in bonded.items()
@@ -105,7 +105,7 @@ def _test(
     levels: list[list[RunEnergy]],
     empty: list[RunEnergy],
     channels: Mapping[str, ChannelFacts],
-) -> Null:
+) -> NullTest:
     found = min(len(levels), len({run.condition for run in empty}))
     if found < LEVELS:
         measured = f"only {found} level{'s' * (found > 1)} with this bed and with the empty box"
@@ -113,7 +113,7 @@ def _test(
             f"{measured if found else 'the empty box was not measured beside it'}: "
             f"at least {LEVELS} levels of both are needed to tell an angle from friction"
         )
-        return Null(kind, mass, frequency, len(levels), None, "undecided", why)
+        return NullTest(kind, mass, frequency, len(levels), None, "undecided", why)
     angle = _angle([run for runs in levels for run in runs] + empty)
     certified = angle_uncertainty(channels["force"], channels["acceleration"], frequency)
     dphi = combine(angle.value, [*angle.parts(), (certified.u, certified.nu)])
@@ -125,7 +125,7 @@ def _test(
         for line in certificate_lines(channels["force"], channels["acceleration"], frequency, 0.0, 1.0)
     }
     verdict = "holds" if holds else "undecided"
-    return Null(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Zero(dphi, shared),))
+    return NullTest(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Zero(dphi, shared),))
 
 
 def _angle(runs: list[RunEnergy]) -> Estimate:

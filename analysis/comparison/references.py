@@ -11,15 +11,14 @@ Signs: masses and energies are positive, force and acceleration of the size that
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.comparison.family_of_tests import FAILS, Zero, sign_tests
+from analysis.comparison.family_of_tests import Reference, Zero, sign_tests
 from analysis.results.condition import Result
-from analysis.results.judged_rows import ReferenceRow
 from analysis.results.run import RunEnergy
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -34,39 +33,11 @@ from analysis.uncertainty.budget import (
 )
 from analysis.uncertainty.estimate import Estimate
 
-__all__ = ["Reference", "references", "signs"]
+__all__ = ["references", "signs"]
 
 SWAPPED = "force and acceleration seem swapped"
 REVERSED = "a sign is reversed: the apparent mass is negative"
 NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is negative"
-
-
-@dataclass(frozen=True, slots=True)
-class Reference:
-    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad) or "signs" (nothing
-    measured).
-    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
-    tested: what it puts into that family."""
-
-    reference: str
-    of: str
-    unit: str
-    value: float | None
-    expected: float | None
-    U: float | None
-    verdict: str
-    why: str
-    tested: tuple[Zero, ...] = ()
-
-    def judged(self, limit: float) -> "Reference":
-        """The same, that does not hold where a score is beyond the family's critical one."""
-        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
-
-    def row(self) -> ReferenceRow:
-        """The report's entry."""
-        return ReferenceRow(
-            self.reference, self.of, self.unit, self.value, self.expected, self.U, self.verdict, self.why
-        )
 
 
 def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:

@@ -4,10 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from analysis.comparison.family_of_tests import ALONE, chain_tests, needed
-from analysis.comparison.null_tests import Null
-from analysis.comparison.references import Reference
-from analysis.energy.sweep import SweepCurve
+from analysis.comparison.family_of_tests import ALONE, Reference, chain_tests, needed
+from analysis.comparison.null_tests import NullTest
+from analysis.energy.sweep_curve import SweepCurve
 from analysis.results.condition import Result
 from analysis.results.report import LeftOutRun
 from analysis.session.ledger_columns import CLOSURE
@@ -46,7 +45,7 @@ class Verdict:
 
 def verdict(
     results: Sequence[Result],
-    nulls: Sequence[Null],
+    nulls: Sequence[NullTest],
     references: Sequence[Reference],
     closure: float | None,
     left_out: Sequence[LeftOutRun],
@@ -94,11 +93,11 @@ def _beyond(results: Sequence[Result]) -> tuple[bool, str]:
     return True, f"No W_T is stated for {shown}: the level reached is over {100 * BEYOND:g} % from those predicted."
 
 
-def _nulls(nulls: Sequence[Null]) -> Iterator[tuple[bool, str]]:
+def _nulls(nulls: Sequence[NullTest]) -> Iterator[tuple[bool, str]]:
     """A sentence for each kind of bed and verdict: the null whose angle is the largest share of its U stands for the
     others."""
 
-    def share(null: Null) -> float:
+    def share(null: NullTest) -> float:
         return abs(null.dphi.value) / null.dphi.U if null.dphi and null.dphi.U else 0.0
 
     for name, same in _alike(nulls, lambda null: (null.null, null.verdict)):
@@ -118,7 +117,7 @@ def _references(references: Sequence[Reference]) -> Iterator[tuple[bool, str]]:
         yield name[2] != "does not hold", f"The reference {name[0]} ({name[1]}) {_told(name[2], same, share)}."
 
 
-T = TypeVar("T", Null, Reference)
+T = TypeVar("T", NullTest, Reference)
 
 
 def _alike(each: Sequence[T], key: Callable[[T], tuple[str, ...]]) -> Iterator[tuple[tuple[str, ...], list[T]]]:

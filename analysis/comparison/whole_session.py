@@ -17,7 +17,7 @@ from analysis.comparison.references import references, signs
 from analysis.comparison.refills import refills_row
 from analysis.comparison.three_comparisons import comparisons, model_row
 from analysis.comparison.verdict import verdict
-from analysis.energy.sweep import SweepCurve
+from analysis.energy.sweep_curve import SweepCurve
 from analysis.results.agreement_row import AgreementRow
 from analysis.results.condition import Result, box_distortion, evaluate
 from analysis.results.condition_row import ConditionRow, OffsetTerms, RunRow, SourceRow

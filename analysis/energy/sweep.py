@@ -10,16 +10,15 @@ answer is off the steady one is told from the curve itself, (b/2) |H''|, by a pa
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.session.record import AnalysisError, ChannelFacts, Record, RunFacts
+from analysis.energy.sweep_curve import SweepCurve
+from analysis.session.record import AnalysisError, ChannelFacts, RecordedSession, RunFacts
 from analysis.session.setting import Setting
-from daq.documents.shapes import Number
 
-__all__ = ["SweepCurve", "SweepSummary", "fundamentals", "shift", "summary", "sweep"]
+__all__ = ["SweepSummary", "fundamentals", "shift", "summary", "sweep"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -27,32 +26,6 @@ Complex = NDArray[np.complex128]
 MOST_POINTS = 400
 PIECE = 1 << 20  # samples looked at together
 NEIGHBOURS = 3  # points on either side of a parabola
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SweepCurve:
-    """The sweep of one run with its flags and its uses of the exciter's limits (1: at it), SI: fundamentals (peak) at
-    the mean frequency of each cycle, or of `cycles_each` cycles together; phase by which force leads acceleration, rad;
-    apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and acceleration, over the largest
-    one."""
-
-    run: str
-    flags: tuple[str, ...]
-    use: Mapping[str, float]
-    condition: str
-    bed: str
-    fill: Annotated[float | None, Number(0.0)]
-    from_: float
-    to: float
-    rate: float
-    cycles_each: Annotated[int, Number(1, whole=True)]
-    frequency: tuple[float, ...]
-    force: tuple[float, ...]
-    acceleration: tuple[float, ...]
-    force_phase: tuple[float, ...]
-    M_eff: tuple[float, ...]
-    shift_force: float | None
-    shift_acceleration: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +38,7 @@ class SweepSummary:
 
 
 def sweep(
-    record: Record, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
+    record: RecordedSession, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
 ) -> SweepCurve:
     """The sweep of one run; cycles are taken together where they are more than MOST_POINTS.
 
@@ -103,7 +76,7 @@ def _pace(setting: Setting) -> float:
     return (last**2 - setting.frequency**2) / (2.0 * setting.record_cycles)
 
 
-def _cycles(record: Record, run: RunFacts, setting: Setting) -> tuple[Array, Complex, Complex]:
+def _cycles(record: RecordedSession, run: RunFacts, setting: Setting) -> tuple[Array, Complex, Complex]:
     """Mean frequency of every cycle of the sweep, and the phasors of force and acceleration in it."""
     names = ("force", "acceleration")
     channels = [record.channels[name] for name in names]

@@ -23,7 +23,7 @@ def write_report(report: "Report", out_dir: Path | str, figures: bool = True, pn
     from analysis.report.html import html_text
     from analysis.report.markdown import markdown_text
     from analysis.report.sections import sections
-    from daq.strange_text import json_text
+    from daq.json_text import json_text
     from daq.whole_files import write_folder
 
     parts = sections(report, figures)

@@ -14,7 +14,8 @@ from analysis.report.sections import Section
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, with_U
 from analysis.results.compared import ComparedPair, ComparedSession, Comparison
 from analysis.text import counted, escape
-from daq.strange_text import cell_text, json_text
+from daq.json_text import json_text
+from daq.strange_text import cell_text
 from daq.whole_files import write_folder
 
 __all__ = ["comparison_sentences", "write_comparison"]

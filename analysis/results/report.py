@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from analysis.energy.sweep import SweepCurve
+from analysis.energy.sweep_curve import SweepCurve
 from analysis.results.agreement_row import AgreementRow, ComparisonRow
 from analysis.results.cause_row import CauseRow
 from analysis.results.condition_row import ConditionRow

@@ -7,7 +7,7 @@ from typing import Annotated
 from daq.documents.classes import LEFT_OUT
 from daq.documents.shapes import Number
 
-__all__ = ["CycleCounts", "Fidelity", "FidelityChoice"]
+__all__ = ["ChosenFidelity", "CycleCounts", "Fidelity"]
 
 Lengths = tuple[float | None, float | None, float | None]
 """Rows per layer, cycles to settle and to record."""
@@ -25,7 +25,7 @@ class CycleCounts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FidelityChoice:
+class ChosenFidelity:
     """What was chosen for a condition, and the error that it predicts, relative to W; why the tolerance is not met."""
 
     id: str
@@ -55,7 +55,7 @@ class Fidelity:
     mode: Annotated[str | None, LEFT_OUT] = None
     tolerance: Annotated[float, Number(1e-9, 1e9)]
     rows_share: float
-    conditions: tuple[FidelityChoice, ...]
+    conditions: tuple[ChosenFidelity, ...]
     cycles: CycleCounts
     row_cycles: CycleCounts
     not_met: tuple[str, ...]

@@ -5,7 +5,7 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["BEYOND", "Curve", "Given", "Predicted", "Prediction", "middle"]
+__all__ = ["BEYOND", "Curve", "Given", "Predicted", "SessionPrediction", "middle"]
 
 CLOSE = 0.01
 """How far from an acceleration, relative, all points tell of the slope there: as far as the measured one may be off."""
@@ -101,7 +101,7 @@ class Predicted:
 
 
 @dataclass(frozen=True, slots=True)
-class Prediction:
+class SessionPrediction:
     """The prediction for one condition as curves, with the relative standard uncertainties of its entry."""
 
     total: Curve

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
-from analysis.session.prediction import Curve, Given, Prediction
+from analysis.session.prediction import Curve, Given, SessionPrediction
 from analysis.session.record import AnalysisError
 from daq.documents.classes import built, shape_of
 from daq.documents.shapes import Each, Keys, List, Number, deviations
@@ -39,11 +39,11 @@ class PredictionEntry:
     period: Given = None
     periodic_share: Given = None
 
-    def curves(self) -> Prediction:
+    def curves(self) -> SessionPrediction:
         """The prediction as curves."""
         a = self.acceleration
         absent = [0.0] * len(a)
-        return Prediction(
+        return SessionPrediction(
             total=Curve.of(a, self.W_T),
             friction=Curve.of(a, self.W_f or absent),
             collision=Curve.of(a, self.W_c or absent),

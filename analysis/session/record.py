@@ -97,7 +97,7 @@ class Truth(Protocol):
     def document(self, name: str) -> Any: ...
 
 
-class Record(Protocol):
+class RecordedSession(Protocol):
     """The part of daq.session.record.Record that is read here; any source of records may offer the same."""
 
     @property

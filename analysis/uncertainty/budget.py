@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from analysis.energy.energies import Energy
-from analysis.session.prediction import Prediction
+from analysis.session.prediction import SessionPrediction
 from analysis.session.record import ChannelFacts
 from analysis.signals.correction import pole_phase
 from analysis.uncertainty.budget_line import Line
@@ -148,7 +148,7 @@ def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
     )
 
 
-def prediction_lines(prediction: Prediction, W_T: float) -> tuple[Line, ...]:
+def prediction_lines(prediction: SessionPrediction, W_T: float) -> tuple[Line, ...]:
     """What W_T itself is uncertain by, those left out that contribute nothing.
 
     Reading it between levels is wrong by chance, in each condition anew; beds that start at rest settle alike.

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from daq.formats.wave import Wave
-from daq.strange_text import cell_text, json_text
+from daq.json_text import json_text
+from daq.strange_text import cell_text
 from daq.whole_files import whole_file
 
 __all__ = ["sep005", "write_csv", "write_mat", "write_sep005"]

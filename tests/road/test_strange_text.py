@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from small_protocol import SMALL
 from strange import clean, hostile, shape_of, swapped
 
+from daq.json_text import json_text
 from daq.session.plan import SessionError
 from daq.session.record import open_session
-from daq.strange_text import cell_text, json_text, visible
+from daq.strange_text import cell_text, visible
 from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from analysis.report.figures.drawing import Area, Dot, Drawing, Line, Mark, Word
+from analysis.report.figures.drawing import Area, Dot, Drawing, Mark, PlottedLine, Word
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "INK", "MARKERS", "ORANGE", "SERIES", "Panel", "Scale", "legend", "linear", "logarithmic",
@@ -114,7 +114,7 @@ class Panel:
     def line(self, x: Sequence[float], y: Sequence[float], colour: str, width: float = 1.6, dash: str = "") -> None:
         """A broken line through points; a single point is given a width."""
         self.marks.append(
-            Line(self._widened([self.at(*point) for point in zip(x, y, strict=True)]), colour, width, dash)
+            PlottedLine(self._widened([self.at(*point) for point in zip(x, y, strict=True)]), colour, width, dash)
         )
 
     def band(
@@ -143,8 +143,8 @@ class Panel:
         for each, value, half in zip(x, y, U, strict=True):
             (across, low), (_, high) = self.at(each, value - half), self.at(each, value + half)
             if low - high > 2:
-                self.marks.append(Line(((across, low), (across, high)), colour, 1.2))
-                self.marks += [Line(((across - 3, end), (across + 3, end)), colour, 1.2) for end in (low, high)]
+                self.marks.append(PlottedLine(((across, low), (across, high)), colour, 1.2))
+                self.marks += [PlottedLine(((across - 3, end), (across + 3, end)), colour, 1.2) for end in (low, high)]
             self.marks.append(Dot(self.at(each, value), shape, colour))
 
     def dots(self, x: Sequence[float], y: Sequence[float], colour: str, shape: str = "o", radius: float = 2.0,
@@ -168,17 +168,17 @@ class Panel:
         marks: list[Mark] = [Word((LEFT, 15.0), self.title, bold=True)] if self.title else []
         for value in self.y.ticks:
             down = self.at(self.x.low, value)[1]
-            marks += [Line(((low, down), (WIDTH - RIGHT, down)), "#e4e4e4", 0.7),
+            marks += [PlottedLine(((low, down), (WIDTH - RIGHT, down)), "#e4e4e4", 0.7),
                       Word((low - 5, down + 4), tick(value), "end")]  # fmt: skip
         named: list[tuple[float, str]] = [(place, text) for place, text in enumerate(self.names)]
         named = named or [(value, tick(value)) for value in self.x.ticks]
         for value, text in named:
             across = self.at(value, self.y.low)[0]
             if not self.names:
-                marks.append(Line(((across, TOP), (across, base)), "#e4e4e4", 0.7))
+                marks.append(PlottedLine(((across, TOP), (across, base)), "#e4e4e4", 0.7))
             marks.append(Word((across, base + 14), text, "middle"))
         marks += [
-            Line(((low, TOP), (low, base), (WIDTH - RIGHT, base)), INK, 1.0),
+            PlottedLine(((low, TOP), (low, base), (WIDTH - RIGHT, base)), INK, 1.0),
             Word(((low + WIDTH - RIGHT) / 2, self.height - 8), self.x_label, "middle"),
             Word((13.0, (TOP + base) / 2), self.y_label, "middle", upright=True),
         ]
@@ -207,10 +207,10 @@ def legend(entries: Sequence[tuple[str, str, str]]) -> Drawing:
         if kind == "band":
             marks.append(Area(((2, y - 5), (26, y - 5), (26, y + 5), (2, y + 5)), colour, 0.3))
         elif kind in ("line", "dash"):
-            marks.append(Line(((2, y), (26, y)), colour, 1.8, "5 3" if kind == "dash" else ""))
+            marks.append(PlottedLine(((2, y), (26, y)), colour, 1.8, "5 3" if kind == "dash" else ""))
         elif kind == "run":
             marks.append(Dot((14, y), "o", colour, 2.0, True))
         else:
-            marks += [Line(((14, y - 7), (14, y + 7)), colour, 1.2), Dot((14, y), kind, colour)]
+            marks += [PlottedLine(((14, y - 7), (14, y + 7)), colour, 1.2), Dot((14, y), kind, colour)]
         marks.append(Word((34, y + 4), words))
     return Drawing(WIDTH, 18.0 * len(entries) + 6, tuple(marks), "legend")

@@ -14,9 +14,9 @@ __all__ = [
     "Area",
     "Dot",
     "Drawing",
-    "Line",
     "Mark",
     "Plot",
+    "PlottedLine",
     "Word",
     "arranged",
     "outline",
@@ -33,7 +33,7 @@ MOST_POINTS = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class PlottedLine:
     """A broken line. dash: SVG's stroke-dasharray, empty for a full line."""
 
     points: Points
@@ -75,7 +75,7 @@ class Word:
     colour: str = "#1c1f23"
 
 
-Mark = Line | Area | Dot | Word
+Mark = PlottedLine | Area | Dot | Word
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +144,8 @@ def svg_text(drawing: Drawing, label: str) -> str:
 
 
 def _moved(mark: Mark, right: float, down: float) -> Mark:
-    if isinstance(mark, Line):
-        return Line(_shifted(mark.points, right, down), mark.colour, mark.width, mark.dash)
+    if isinstance(mark, PlottedLine):
+        return PlottedLine(_shifted(mark.points, right, down), mark.colour, mark.width, mark.dash)
     if isinstance(mark, Area):
         return Area(_shifted(mark.points, right, down), mark.colour, mark.opacity)
     at = (mark.at[0] + right, mark.at[1] + down)
@@ -170,7 +170,7 @@ def outline(dot: Dot) -> Points:
 
 
 def _element(mark: Mark) -> str:
-    if isinstance(mark, Line):
+    if isinstance(mark, PlottedLine):
         dash = f' stroke-dasharray="{mark.dash}"' if mark.dash else ""
         return (
             f'<path d="{_path(mark.points)}" fill="none" stroke="{mark.colour}" stroke-width="{mark.width:g}"{dash} '

@@ -4,7 +4,7 @@ import io
 from typing import TYPE_CHECKING, Any
 
 from analysis.report.figures.axes import MARKERS, ORANGE, SERIES
-from analysis.report.figures.drawing import Area, Drawing, Line, Mark, Word, outline
+from analysis.report.figures.drawing import Area, Drawing, Mark, PlottedLine, Word, outline
 from daq.strange_text import visible
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def _artist(mark: Mark, order: int) -> Any:
     from matplotlib.text import Text
 
     point = 72.0 / PIXELS
-    if isinstance(mark, Line):
+    if isinstance(mark, PlottedLine):
         x, y = zip(*mark.points, strict=True)
         style: Any = (0, tuple(float(n) for n in mark.dash.split())) if mark.dash else "-"
         return Line2D(x, y, color=mark.colour, linewidth=mark.width * point, linestyle=style, zorder=order)

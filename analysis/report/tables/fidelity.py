@@ -2,7 +2,7 @@
 
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, number
 from analysis.results.report import Report
-from analysis.session.fidelity import CycleCounts, FidelityChoice, Lengths
+from analysis.session.fidelity import ChosenFidelity, CycleCounts, Lengths
 
 __all__ = ["fidelity", "fidelity_sentences"]
 
@@ -62,7 +62,7 @@ def fidelity(report: Report) -> Table:
     return Table("Fidelity", note, head, rows)
 
 
-def _lengths(row: FidelityChoice, lengths: Lengths) -> str:
+def _lengths(row: ChosenFidelity, lengths: Lengths) -> str:
     rows, settle, record = lengths
     return f"{rows if row.rows else '–'}, {settle} + {record}"
 

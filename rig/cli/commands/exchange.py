@@ -15,9 +15,9 @@ from daq.formats.sidecar import SCHEMA, is_sidecar, sidecar_of
 from daq.formats.uff58 import write_uff58
 from daq.formats.wave import RecordedSignal, Samples, Spectrum, Wave
 from daq.formats.writing import write_csv, write_mat, write_sep005
+from daq.json_text import json_text
 from daq.session.plan import RunInfo
 from daq.session.record import Record
-from daq.strange_text import json_text
 from daq.whole_files import write_whole
 from rig.cli.commands.sessions import session_file
 from rig.cli.terminal.output import print_json, print_result, say

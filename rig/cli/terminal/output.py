@@ -6,7 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from daq.strange_text import json_text, visible
+from daq.json_text import json_text
+from daq.strange_text import visible
 from rig.cli.terminal.tables import print_report, terminal
 
 if TYPE_CHECKING:

@@ -2,10 +2,26 @@
 
 import json
 import math
+import re
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
-__all__ = ["indented"]
+from daq.strange_text import HIDDEN
+
+__all__ = ["indented", "json_text"]
+
+_BUT_LINES = re.compile(rf"(?!\n){HIDDEN.pattern}")
+
+
+def json_text(value: Any, indent: Literal[1] | None = 1) -> str:
+    """Return JSON text in which hidden characters are JSON escapes, so that it reads back to the
+    same value.
+    """
+    one_line = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+    text = one_line(value) if indent is None else indented(value)
+    if text.isascii() and "\x7f" not in text:  # the encoder escapes all other ASCII controls
+        return text
+    return _BUT_LINES.sub(lambda found: _json_escaped(found[0]), text)
 
 
 def indented(value: Any) -> str:
@@ -58,3 +74,7 @@ def _key(key: Any) -> str:
 def _encoder(depth: int) -> json.JSONEncoder:
     """Return an encoder for a container of plain values nested `depth` levels deep."""
     return json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(_between(depth), ": "))
+
+
+def _json_escaped(character: str) -> str:
+    return json.dumps(character)[1:-1] if character != "\x7f" else "\\u007f"
