@@ -19,7 +19,8 @@ from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate, coverage_factor
 
 __all__ = [
-    "ALONE", "CHAIN_SHARE", "FAILS", "Reference", "Zero", "chain_tests", "common", "critical_score", "needed", "sign_tests",
+    "ALONE", "CHAIN_SHARE", "FAILS", "Reference", "Zero", "chain_tests", "common", "critical_score", "needed",
+    "sign_tests",
 ]  # fmt: skip
 
 LEVEL = 0.95

@@ -8,9 +8,9 @@ from bare_rows import bare
 from claim_data import entry, judged, result
 from page_report import demo_report
 
-from analysis.comparison.null_tests import Null
+from analysis.comparison.family_of_tests import Reference
+from analysis.comparison.null_tests import NullTest
 from analysis.comparison.pooled_ratio import Fit
-from analysis.comparison.references import Reference
 from analysis.comparison.verdict import verdict
 from analysis.report import wording
 from analysis.report.figures.energy import energy_plots
@@ -97,7 +97,7 @@ def test_what_else_was_varied_is_a_column_and_an_axis(report):
 
 def test_many_checks_alike_are_one_sentence():
     """13 frequencies give 13 nulls and references: one sentence of each verdict, the narrowest named."""
-    nulls = [Null("locked", 38.0, f, 1, None, "undecided", "only 1 level") for f in range(13)]
+    nulls = [NullTest("locked", 38.0, f, 1, None, "undecided", "only 1 level") for f in range(13)]
     masses = [
         Reference("rigid mass", "empty box", "kg", 12.0 + 0.01 * n, 12.0, 0.2, "holds", f"number {n}")
         for n in range(13)
@@ -108,7 +108,7 @@ def test_many_checks_alike_are_one_sentence():
         "The null test with the locked bed is undecided in 13 cases: only 1 level.",
         "The reference rigid mass (empty box) holds in 13 cases, most narrowly: number 12.",
     ]
-    wrong = Null("locked", 38.0, 20.0, 3, Estimate(2.0, 0.1, 5.0), "does not hold", "too large")
+    wrong = NullTest("locked", 38.0, 20.0, 3, Estimate(2.0, 0.1, 5.0), "does not hold", "too large")
     found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], [*nulls, wrong], [], None, [])
     assert found.failures == ("The null test with the locked bed does not hold: too large.",)
 
