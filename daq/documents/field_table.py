@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import MISSING
 from typing import Any
 
 from daq.documents.shapes import Keys, List, Shape, Then
@@ -15,7 +16,7 @@ def field_table(shape: Shape) -> str:
     """A row for every field: its path, what is allowed, its default."""
     rows = ["| field | allowed | default |", "|---|---|---|"]
     for path, part, default in _fields(shape, ""):
-        told = "" if default is None else f"`{json.dumps(default, ensure_ascii=False)}`"
+        told = "" if default is MISSING else f"`{json.dumps(default, ensure_ascii=False)}`"
         rows.append(f"| `{path}` | {str(part).replace('|', chr(92) + '|')} | {told} |")
     return "\n".join(rows) + "\n"
 

@@ -255,18 +255,18 @@ class Keys:
         return found | ({"description": told} if told else {})
 
     def default_of(self, name: str) -> Any:
-        """The class's own default as plain data, None for none; a group's stand at its own fields."""
+        """The class's own default as plain data, MISSING for none; a group's stand at its own fields."""
         kind = self.kind if is_dataclass(self.kind) else None
         default = next((item.default for item in fields(kind) if item.name == name), MISSING) if kind else MISSING
         if default is MISSING or is_dataclass(default) or name in self.required:
-            return None
+            return MISSING
         shape = self.every()[name]
         written = shape.says.get("default") if isinstance(shape, Then) else None
         return plain(shape, default) if written is None else written
 
     def _default(self, name: str) -> Schema:
         default = self.default_of(name)
-        return {} if default is None else {"default": default}
+        return {} if default is MISSING else {"default": default}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

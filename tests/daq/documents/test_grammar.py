@@ -79,6 +79,7 @@ def test_the_schema_has_the_defaults_and_the_groups() -> None:
     assert schema["required"] == ["title"]
     assert schema["additionalProperties"] is False
     assert schema["properties"]["colour"] == {"enum": ["red", "green"], "default": "red"}
+    assert schema["properties"]["copies"]["default"] is None
     assert schema["$defs"]["Pair"]["properties"]["left"]["default"] == 0.5
 
 
