@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import cache
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from daq.documents.shapes import Each, Either, Keys, List, Null, Number, Shape, Text, YesNo, deviations
 
@@ -144,8 +144,6 @@ def _kind(hint: Any) -> ValueKind:
         return _marked(parts[0], parts[1:])
     if origin in (Union, UnionType):
         return _union(parts)
-    if origin is Literal:
-        return ValueKind(Text(parts))
     if origin is tuple:
         return _list(parts)
     if origin is not None and issubclass(origin, Mapping):
