@@ -1,7 +1,7 @@
 """A run in shaker-coupled drive: a dwell on the exciter, from start-up to the end of the record."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ def max_of(found: list[Limits]) -> Limits:
     """Return the largest value of each utilisation; zeros for an empty list."""
     if not found:
         return Limits(*(0.0,) * 6)
-    each = (asdict(limits).values() for limits in found)
+    each = (vars(limits).values() for limits in found)
     return Limits(*map(max, zip(*each, strict=True)))
 
 

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from daq.documents.classes import LEFT_OUT, AtLeast, DocumentError, finite, from_document, shape_of, to_document
-from daq.documents.shapes import Each, Keys, List, Null, Number, Text, YesNo, deviations
+from daq.documents.json_schema import json_schema
+from daq.documents.shapes import Each, Either, Keys, List, Null, Number, Text, YesNo, deviations
 
 Size = Annotated[float | None, Number(0.0)]
 
@@ -76,12 +77,15 @@ def test_a_document_comes_back_as_it_was_keys_in_order() -> None:
 def test_the_shape_is_what_the_annotations_say() -> None:
     shape = shape_of(Whole)
     part = Keys({"name": Text(), "size": Number(0.0, null=True)}, {"note": Text()})
-    assert shape.required == {
+    required = {
         "from": Number(), "count": Number(1, whole=True), "good": YesNo(), "word": Text(("one", "two")),
         "parts": List(part, 1), "pair": List(Number(), 2, 2), "texts": Each(Text()), "part": replace(part, null=True),
     }  # fmt: skip
+    assert {name: json_schema(one) for name, one in shape.required.items()} == {
+        name: json_schema(one) for name, one in required.items()
+    }
     assert shape.optional.keys() == {"lengths", "either", "times"}
-    assert shape.optional["lengths"] == List(Number())
+    assert json_schema(shape.optional["lengths"]) == json_schema(List(Number()))
 
 
 def test_further_keys_are_passed_over() -> None:
@@ -144,6 +148,6 @@ def test_null_or_a_list_is_either() -> None:
         values: tuple[float, ...] | None
 
     shape = shape_of(Listed).required["values"]
-    assert (shape.first, shape.second) == (Null(), List(Number()))  # type: ignore[union-attr]
+    assert json_schema(shape) == json_schema(Either(Null(), List(Number())))
     for value in (None, [1.0]):
         assert to_document(from_document(Listed, {"values": value})) == {"values": value}

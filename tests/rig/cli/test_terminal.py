@@ -7,8 +7,12 @@ from collections.abc import Iterator
 
 import pytest
 import typer
+from bare_rows import bare
 from rich.console import Console
 
+from analysis.results.agreement_row import AgreementRow
+from analysis.results.condition_row import ConditionRow
+from analysis.results.report import Report
 from rig.cli.app import app
 from rig.cli.terminal import progress as progress_module
 from rig.cli.terminal.live import ConditionLine, LiveView
@@ -56,19 +60,19 @@ def test_the_live_view_fits_and_needs_no_colour() -> None:
     assert any("c039" in line and "100/100" in line and "0.0123 J" in line for line in shown)
 
 
-REPORT = {
-    "conditions": [
-        {
-            "id": f"c{n:03d}", "material": "stainless", "diameter": 0.0125, "bed": "dashpot", "fill": 0.875,
-            "acceleration": 9.987654, "W_exp": 1.2345678, "U_W_exp": 0.123456, "W_T": 1.1234567, "offset": -0.1234,
-            "E_n_chain": -0.987,
-        }
+REPORT = bare(
+    Report,
+    conditions=tuple(
+        bare(
+            ConditionRow, id=f"c{n:03d}", material="stainless", diameter=0.0125, bed="dashpot", fill=0.875,
+            acceleration=9.987654, W_exp=1.2345678, U_W_exp=0.123456, W_T=1.1234567, offset=-0.1234, E_n_chain=-0.987,
+        )
         for n in range(3)
-    ],
-    "claims": [], "agreement": {"ratio": 1.0789, "U_ratio": 0.0123, "k": 2.0, "nu": None, "slope": None, "line": None,
-                                   "put_in": 0.05, "mean_offset": 0.07, "n": 3},
-    "waveform": "ideal", "tests": "chain", "flags": [], "verdict": "passes", "reasons": ["short"],
-}  # fmt: skip
+    ),
+    claims=(), nulls=(), references=(), flags=(), failures=(), left_out=(), sweeps=(), comparisons=(), causes=(),
+    agreement=bare(AgreementRow, ratio=1.0789, U_ratio=0.0123, k=2.0, put_in=0.05, mean_offset=0.07, n=3),
+    waveform="ideal", tests="chain", verdict="passes", reasons=("short",), synthetic=True,
+)  # fmt: skip
 
 
 def test_the_final_table_fits_with_every_number_whole() -> None:
