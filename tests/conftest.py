@@ -23,7 +23,7 @@ COMPILED_BY = (
 def pytest_configure(config: pytest.Config) -> None:
     """Compile before xdist's workers start: each would compile the same for itself, and at the same time."""
     if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
-        rig = (sys.executable, "-c", "from rig.cli import main; main()")
+        rig = (sys.executable, "-c", "from rig.cli.app import main; main()")
         with tempfile.TemporaryDirectory() as folder:
             for process in [
                 subprocess.Popen([*rig, *words, "--out", f"{folder}/{k}"], cwd=config.rootpath, **QUIET)

@@ -12,12 +12,12 @@ EVERY = 0.02
 reading must be late.
 """
 
-RIG = "import sys; sys.argv = ['rig', *sys.argv[1:]]; from rig.cli import main; main()"
+RIG = "import sys; sys.argv = ['rig', *sys.argv[1:]]; from rig.cli.app import main; main()"
 
 LISTED = """
 import sys
 sys.argv = ["rig", *sys.argv[1:]]
-from rig.cli import main
+from rig.cli.app import main
 try:
     main()
 finally:

@@ -1,8 +1,4 @@
-"""The command `rig`.
+"""The command `rig` (`rig.cli.app.main`).
 
 Commands import heavy modules inside their functions, so that `rig --help` needs none of them.
 """
-
-from rig.cli.app import main
-
-__all__ = ["main"]

@@ -14,7 +14,7 @@ def rig_command(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     folder = tmp_path_factory.mktemp("work")
 
     def call(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", "from rig.cli import main; main()", *map(str, words)]
+        command = [sys.executable, "-c", "from rig.cli.app import main; main()", *map(str, words)]
         return subprocess.run(command, cwd=cwd or folder, capture_output=True, text=True, timeout=300, check=False)
 
     return call

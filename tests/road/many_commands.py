@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
-import rig.cli
+import rig.cli.app
 
 PATIENCE = 120
 """Seconds after which a command is taken to wait for ever."""
@@ -53,7 +53,7 @@ def run(words: list[str], folder: Path, stdout: str = "", stderr: str = "") -> d
         for descriptor, place in enumerate((stdout or files[0], stderr or files[1]), start=1):
             os.dup2(os.open(place, os.O_WRONLY), descriptor)
         sys.argv = ["rig", *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in words)]
-        end(rig.cli.main)
+        end(rig.cli.app.main)
     signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
     signal.alarm(PATIENCE)
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])

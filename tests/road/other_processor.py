@@ -30,7 +30,7 @@ def plain_processor() -> dict[str, str]:
 
 def recorded(arguments: list[str], folder: Path, environment: dict[str, str]) -> Path:
     """Run a protocol into a folder. Raises CalledProcessError where nothing was recorded."""
-    command = [sys.executable, "-c", "from rig.cli import main; main()", "run", *arguments, "--out", str(folder)]
+    command = [sys.executable, "-c", "from rig.cli.app import main; main()", "run", *arguments, "--out", str(folder)]
     done = subprocess.run(command, env={**os.environ, **environment}, capture_output=True, check=False)
     if not (folder / "report.json").exists():
         raise subprocess.CalledProcessError(done.returncode, command, done.stdout, done.stderr)

@@ -193,7 +193,7 @@ def test_a_reader_that_has_seen_enough_changes_no_exit_code(words: tuple[str, ..
     """As `| head -1` does: the read end of the pipe is closed before anything is printed."""
     read, write = os.pipe()
     os.close(read)
-    command = [sys.executable, "-c", "from rig.cli import main; main()", words[0], str(session), *words[1:]]
+    command = [sys.executable, "-c", "from rig.cli.app import main; main()", words[0], str(session), *words[1:]]
     done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False, timeout=300)
     os.close(write)
     assert done.returncode == 0, done.stderr

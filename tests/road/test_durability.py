@@ -51,7 +51,7 @@ def recording(folder: Path, out: Path) -> Iterator[subprocess.Popen[str]]:
     fewer = ("--set", "vary={}", "--set", "scene.bed=locked", "--set", "repeats.n=3", "--set", "acquire.settle=4",
              "--set", "acquire.record=400")  # fmt: skip
     words = ["run", str(folder / "p.yaml"), "--out", str(out), "--speed", "20", *fewer]
-    command = [sys.executable, "-c", "from rig.cli import main; main()", *words]
+    command = [sys.executable, "-c", "from rig.cli.app import main; main()", *words]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
     try:
         for _ in range(600):
@@ -137,7 +137,7 @@ def test_no_room_for_the_session_is_told_with_three(small: Path, tmp_path: Path)
     command = [
         sys.executable,
         "-c",
-        "from rig.cli import main; main()",
+        "from rig.cli.app import main; main()",
         "run",
         str(small),
         "--out",

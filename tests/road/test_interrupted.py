@@ -11,7 +11,7 @@ from small_protocol import Rig
 
 COMMAND = (
     sys.executable, "-c",
-    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from rig.cli import main; main()",
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from rig.cli.app import main; main()",
 )  # fmt: skip
 """As from a terminal: a shell's background job, as the tests may be one, inherits an ignored SIGINT."""
 

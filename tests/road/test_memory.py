@@ -9,7 +9,7 @@ import pytest
 PEAK = """
 import resource, sys
 sys.argv = ["rig", *sys.argv[1:]]
-from rig.cli import main
+from rig.cli.app import main
 try:
     main()
 finally:

@@ -232,7 +232,7 @@ def test_a_full_disk_under_one_of_them_is_three_where_anything_was_to_be_written
 def test_a_limit_of_memory_is_called_one(megabytes: int, place: Path) -> None:
     program = (
         f"import resource; resource.setrlimit(resource.RLIMIT_AS, ({megabytes * 10**6},) * 2); "
-        "import sys; sys.argv = ['rig', 'check', 'p.yaml']; from rig.cli import main; main()"
+        "import sys; sys.argv = ['rig', 'check', 'p.yaml']; from rig.cli.app import main; main()"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     command = [sys.executable, "-c", program]

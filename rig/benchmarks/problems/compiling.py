@@ -36,7 +36,7 @@ def compiling(protocol: Path, fixed: tuple[str, ...]) -> list[Row]:
     """
     rows = [_row(name, *(_first_calls(name))) for name in COMPILED]
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", "from rig.cli import main; main()", "run", str(protocol), *fixed, "--out",
+        command = [sys.executable, "-c", "from rig.cli.app import main; main()", "run", str(protocol), *fixed, "--out",
                    f"{folder}/s", "--force", "--json"]  # fmt: skip
         environment = as_users_have_it(NUMBA_CACHE_DIR=f"{folder}/cache")
         cold, warm = (timed_process(command, ROOT, environment) for _ in range(2))

@@ -41,7 +41,7 @@ SETS = tuple(word for one in FIXED for word in ("--set", one))
 WHOLE = "whole process: start, run, report, figures"
 
 REPLAY, PLAIN = "replay: blocks and energies (ours)", "plain h5py and trapezoids"
-RIG = [sys.executable, "-c", "from rig.cli import main; main()"]
+RIG = [sys.executable, "-c", "from rig.cli.app import main; main()"]
 
 
 def recording_seconds(campaign: Campaign, workers: int) -> float:
