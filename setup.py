@@ -1,4 +1,6 @@
-"""What pyproject.toml cannot say: `protocols/`, a folder at the top, is installed as a folder of `rig`."""
+"""What pyproject.toml cannot say: `protocols/`, a folder at the top, is installed as a folder of
+`rig`.
+"""
 
 from setuptools import find_namespace_packages, find_packages, setup
 

@@ -1,6 +1,8 @@
-"""The reading of records: dissipated energy from force and acceleration, its uncertainty, its agreement with a model.
+"""The reading of records: dissipated energy from force and acceleration, its uncertainty, its
+agreement with a model.
 
-Works on any session record, simulated or imported, and imports no simulator. Names load their module on first use.
+Works on any session record, simulated or imported, and imports no simulator. Names load their
+module on first use.
 """
 
 import importlib

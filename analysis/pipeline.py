@@ -24,7 +24,14 @@ from analysis.session.exciter import SessionExciter
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import EXACT
 from analysis.session.protocol import SessionProtocol, SessionRig
-from analysis.session.record import AnalysisError, ChannelFacts, RecordedSession, RunFacts, Signal, Truth
+from analysis.session.record import (
+    AnalysisError,
+    ChannelFacts,
+    RecordedSession,
+    RunFacts,
+    Signal,
+    Truth,
+)
 from analysis.session.setting import LOOP_BACK, Setting
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.signals.quality import Scrutiny
@@ -40,7 +47,9 @@ CLIPPED = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO | Flag.SENSOR_CLIP)
 SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
 STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
-TRIGGER = "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
+TRIGGER = (
+    "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
+)
 CLOSURES = ("closure", "closure_exciter")  # ledger columns whose largest magnitude counts
 PIECE = 4096  # cycles of a ledger that are looked at together
 LIMITS = "use_"  # scalars of this prefix are shares of a limit
@@ -51,19 +60,28 @@ SignalOf = Callable[[str, str, int, int], Signal]
 
 
 def run_energy(
-    record: RecordedSession, run: RunFacts | str, tolerate_gaps: bool = False, signal: SignalOf | None = None
+    record: RecordedSession,
+    run: RunFacts | str,
+    tolerate_gaps: bool = False,
+    signal: SignalOf | None = None,
 ) -> RunEnergy:
-    """Energies of one complete run of a record, poles and delays corrected by the certified channel table.
+    """Energies of one complete run of a record, poles and delays corrected by the certified channel
+    table.
 
-    run: a run of the record, or its name. May be called from any thread, as soon as the run is complete, while others
-    are still written. AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
-    tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole cycle.
-    signal: what gives the samples, as `record.signal` does where there is none.
+    run: a run of the record, or its name. May be called from any thread, as soon as the run is
+    complete, while others are still written. AnalysisError where the run is incomplete, has missing
+    samples in the window (unless gaps are tolerated: then the whole cycles beside them are read), a
+    dead or stuck channel, or no whole cycle. signal: what gives the samples, as `record.signal`
+    does where there is none.
     """
-    return Reader(record, tolerate_gaps, signal).energy(record.run(run) if isinstance(run, str) else run)
+    return Reader(record, tolerate_gaps, signal).energy(
+        record.run(run) if isinstance(run, str) else run
+    )
 
 
-def energies_of(record: RecordedSession, names: Iterable[str], tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
+def energies_of(
+    record: RecordedSession, names: Iterable[str], tolerate_gaps: bool = False
+) -> dict[str, RunEnergy]:
     """Energies of runs by name, as `run_energy` finds them; without those that cannot be used."""
     reader, found = Reader(record, tolerate_gaps), {}
     for name in names:
@@ -73,9 +91,13 @@ def energies_of(record: RecordedSession, names: Iterable[str], tolerate_gaps: bo
 
 
 class Reader:
-    """Reads the runs of one record: what the record and its conditions say is looked up and checked once."""
+    """Reads the runs of one record: what the record and its conditions say is looked up and checked
+    once.
+    """
 
-    def __init__(self, record: RecordedSession, tolerate_gaps: bool = False, signal: SignalOf | None = None) -> None:
+    def __init__(
+        self, record: RecordedSession, tolerate_gaps: bool = False, signal: SignalOf | None = None
+    ) -> None:
         self._record = record
         self._signal = signal or record.signal
         self._tolerate_gaps = tolerate_gaps
@@ -111,13 +133,23 @@ class Reader:
         if setting.bed == LOOP_BACK:
             raise AnalysisError(f"{run.name} is a loop-back: there is no energy in it")
         if setting.sweep_to is not None:
-            raise AnalysisError(f"{run.name} is a sweep: its cycles do not close, no energy is stated")
+            raise AnalysisError(
+                f"{run.name} is a sweep: its cycles do not close, no energy is stated"
+            )
         force, acceleration = self.channels
         scalars = record.scalars(run.name)
         window = _window(run, setting, force, scalars)
-        delay = (acceleration.filter_delay - force.filter_delay) / run.rate + force.skew - acceleration.skew
+        delay = (
+            (acceleration.filter_delay - force.filter_delay) / run.rate
+            + force.skew
+            - acceleration.skew
+        )
         stretches = _stretches(record, run, window, self._tolerate_gaps)
-        total, scrutiny, bits = Total(), Scrutiny((force, acceleration), setting), run.flags & SETTLED
+        total, scrutiny, bits = (
+            Total(),
+            Scrutiny((force, acceleration), setting),
+            run.flags & SETTLED,
+        )
         for part in (part for stretch in stretches for part in stretch.segments()):
             first, last = part.sample_range()
             signals = [self._signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
@@ -133,16 +165,30 @@ class Reader:
                 time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
                 box_mass=setting.box_mass,
             )  # fmt: skip
-            total.add(energy if setting.mistake is None else misread(energy, setting.mistake, F, a))
+            total.add(
+                energy
+                if setting.deliberate_error is None
+                else misread(energy, setting.deliberate_error, F, a)
+            )
         energy = total.energy()
         samples = round(energy.cycles * window.grid.period)
         wanted = int(setting.record_cycles)
         short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
         recorded = scalars.get(RECORDED, math.nan)
         return RunEnergy(
-            run=run.name, condition=run.condition, repeat=run.repeat, order=run.order, energy=energy,
+            run=run.name,
+            condition=run.condition,
+            repeat=run.repeat,
+            order=run.order,
+            energy=energy,
             u_noise=noise_of(energy, force, acceleration, samples),
-            flags=(*flag_names(int(bits)), *scrutiny.flags(run.name), *short, *_limits(scalars), *_stops(scalars)),
+            flags=(
+                *flag_names(int(bits)),
+                *scrutiny.flags(run.name),
+                *short,
+                *_limits(scalars),
+                *_stops(scalars),
+            ),
             use=_use(scalars),
             ledger=_ledger(self.truth, run, setting, window, stretches),
             coil=_coil(record, run, window, energy, samples, self.exciter),
@@ -150,17 +196,23 @@ class Reader:
             recorded=recorded if math.isfinite(recorded) else None,
             u_recorded=scalars.get(f"u_{RECORDED}", 0.0),
             clip_ratio=_clip_ratio(record, run) if bits & CLIPPED else 0.0,
-        )  # fmt: skip
+        )
 
 
-def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]) -> Window:
+def _window(
+    run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]
+) -> Window:
     """The whole cycles of a run that count. AnalysisError where there are none."""
     phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
     try:
         return whole_cycles(
-            run.samples, run.rate, setting.frequency,
-            filter_delay=force.filter_delay + phase, settle=setting.settle_cycles, cycles=int(setting.record_cycles),
-        )  # fmt: skip
+            run.samples,
+            run.rate,
+            setting.frequency,
+            filter_delay=force.filter_delay + phase,
+            settle=setting.settle_cycles,
+            cycles=int(setting.record_cycles),
+        )
     except ValueError as error:
         raise AnalysisError(f"{run.name}: {error}") from error
 
@@ -168,8 +220,8 @@ def _window(run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mappi
 def window_range(record: RecordedSession, run: RunFacts) -> tuple[float, float]:
     """Return the first sample of the whole cycles that count, and one past the last.
 
-    Fractional where a cycle has no whole number of samples. Where there are no such cycles (a sweep, a loop-back, a
-    record cut short), all that follows the settling.
+    Fractional where a cycle has no whole number of samples. Where there are no such cycles (a
+    sweep, a loop-back, a record cut short), all that follows the settling.
     """
     setting = Setting.of(record.conditions[run.condition])
     settled = min(setting.settle_cycles * run.rate / setting.frequency, run.samples / 2)
@@ -182,9 +234,11 @@ def window_range(record: RecordedSession, run: RunFacts) -> tuple[float, float]:
     return window.start, window.start + window.cycles * window.grid.period
 
 
-def _stretches(record: RecordedSession, run: RunFacts, window: Window, tolerate_gaps: bool) -> tuple[Window, ...]:
-    """The window, or where gaps are tolerated its whole cycles on either side of every broken block: nothing is ever
-    joined over one. AnalysisError where none is left."""
+def _stretches(
+    record: RecordedSession, run: RunFacts, window: Window, tolerate_gaps: bool
+) -> tuple[Window, ...]:
+    """The window, or where gaps are tolerated its whole cycles on either side of every broken
+    block: nothing is ever joined over one. AnalysisError where none is left."""
     if not tolerate_gaps or not run.flags & BROKEN:
         return (window,)
     blocks = record.blocks(run.name)
@@ -203,7 +257,12 @@ def _clip_ratio(record: RecordedSession, run: RunFacts) -> float:
 
 
 def _coil(
-    record: RecordedSession, run: RunFacts, window: Window, energy: Energy, samples: int, exciter: SessionExciter | None
+    record: RecordedSession,
+    run: RunFacts,
+    window: Window,
+    energy: Energy,
+    samples: int,
+    exciter: SessionExciter | None,
 ) -> Coil | None:
     """What the coil's current tells; None where it is not recorded or the exciter is not known."""
     channel = record.channels.get(CURRENT)
@@ -215,7 +274,9 @@ def _coil(
     for part in window.segments():
         first, last = part.sample_range()
         current = on_grid(record.signal(run.name, CURRENT, first, last).samples, first, part)
-        total += harmonics(current, part.cycles, current.size // part.cycles) * (part.cycles / window.cycles)
+        total += harmonics(current, part.cycles, current.size // part.cycles) * (
+            part.cycles / window.cycles
+        )
     orders = np.arange(1, total.size + 1)
     total *= np.exp(2j * np.pi * energy.frequency * lag * orders)
     return coil_of(total, energy, channel, exciter, samples)
@@ -229,12 +290,14 @@ def _at_box(setting: Setting, energy: Energy, exciter: SessionExciter | None) ->
 
 
 def read_session(
-    record: RecordedSession, energies: Mapping[str, RunEnergy] | None = None, tolerate_gaps: bool = False
+    record: RecordedSession,
+    energies: Mapping[str, RunEnergy] | None = None,
+    tolerate_gaps: bool = False,
 ) -> Report:
     """The report of a session from its record alone.
 
-    energies: results of run_energy by run name, where they are there already. tolerate_gaps: see run_energy. Runs that
-    cannot be used are listed under `left_out` with the reason.
+    energies: results of run_energy by run name, where they are there already. tolerate_gaps: see
+    run_energy. Runs that cannot be used are listed under `left_out` with the reason.
     """
     known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
     reader = Reader(record, tolerate_gaps)
@@ -251,7 +314,9 @@ def read_session(
                     known[run.name] = reader.energy(run)
             except AnalysisError as error:
                 left_out.append(LeftOutRun(run.name, str(error)))
-    protocol = document_as(SessionProtocol, "protocol", record.document("protocol")) or SessionProtocol()
+    protocol = (
+        document_as(SessionProtocol, "protocol", record.document("protocol")) or SessionProtocol()
+    )
     rig = document_as(SessionRig, "rig", record.document("rig")) or SessionRig()
     return agreement(
         [known[run.name] for run in record.runs if run.name in known],
@@ -273,7 +338,9 @@ def read_session(
 
 
 def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Flags of a run whose samples are read as a whole. AnalysisError where some are missing or mean nothing."""
+    """Flags of a run whose samples are read as a whole. AnalysisError where some are missing or
+    mean nothing.
+    """
     if run.flags & BROKEN:
         raise AnalysisError(f"{run.name} has {', '.join(flag_names(run.flags & BROKEN))}")
     return (*flag_names(run.flags & SETTLED), *_limits(scalars), *_stops(scalars))
@@ -284,7 +351,9 @@ def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
         raise AnalysisError(f"{run.name} is not complete")
     setting, force = Setting.of(record.conditions[run.condition]), _channel(record, FORCE)
     _channel(record, ACCELERATION)
-    return loop_back(record, run, _window(run, setting, force, record.scalars(run.name)), setting.frequency)
+    return loop_back(
+        record, run, _window(run, setting, force, record.scalars(run.name)), setting.frequency
+    )
 
 
 def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
@@ -295,7 +364,9 @@ def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
 
 def _channel(record: RecordedSession, name: str) -> ChannelFacts:
     if name not in record.channels:
-        raise AnalysisError(f"the record has no channel {name!r}; it has {', '.join(record.channels)}")
+        raise AnalysisError(
+            f"the record has no channel {name!r}; it has {', '.join(record.channels)}"
+        )
     return record.channels[name]
 
 
@@ -305,7 +376,9 @@ def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """What kept the level from being reached, as a flag, and whether the amplifier clipped while it was held."""
+    """What kept the level from being reached, as a flag, and whether the amplifier clipped while it
+    was held.
+    """
     stopped = [f"{NOT_REACHED}_{name.removeprefix(STOPPED)}" for name, value in scalars.items()
                if name.startswith(STOPPED) and value > 0]  # fmt: skip
     return (*stopped, *(("clipped",) if scalars.get("clipped", 0.0) > 0 else ()))
@@ -313,13 +386,23 @@ def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
 
 def _use(scalars: Mapping[str, float]) -> dict[str, float]:
     """Shares of the exciter's limits, by the limit's name."""
-    return {name.removeprefix(LIMITS): share for name, share in scalars.items() if name.startswith(LIMITS)}
+    return {
+        name.removeprefix(LIMITS): share
+        for name, share in scalars.items()
+        if name.startswith(LIMITS)
+    }
 
 
 def _ledger(
-    truth: Truth | None, run: RunFacts, setting: Setting, window: Window, stretches: Sequence[Window]
+    truth: Truth | None,
+    run: RunFacts,
+    setting: Setting,
+    window: Window,
+    stretches: Sequence[Window],
 ) -> dict[str, float] | None:
-    """True energies over the drive cycles that are read; None for a record without truth, or with gaps in it."""
+    """True energies over the drive cycles that are read; None for a record without truth, or with
+    gaps in it.
+    """
     if truth is None:
         return None
     first, period = round(setting.settle_cycles), window.grid.period

@@ -24,7 +24,9 @@ BATCH = 32
 """Runs whose energies are sent in one message."""
 
 
-def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = False) -> dict[str, RunEnergy]:
+def energies_by_processes(
+    record: "Record", count: int, tolerate_gaps: bool = False
+) -> dict[str, RunEnergy]:
     """Return the energies of a session's runs by name, read by `count` processes.
 
     They are for `read_session`. Runs that cannot be used have none, and neither have those whose
@@ -36,7 +38,9 @@ def energies_by_processes(record: "Record", count: int, tolerate_gaps: bool = Fa
     count = min(count, len(names) // (MANY // 2))
     if count < 2 or record.live or sys.platform != "linux":
         return {}
-    found = energies_of(record, names[:1], tolerate_gaps)  # loads the compiled loops once, for all processes
+    found = energies_of(
+        record, names[:1], tolerate_gaps
+    )  # loads the compiled loops once, for all processes
     context = multiprocessing.get_context("fork")
     record.close()  # each process opens it for itself
     with killed_at_the_end() as (processes, pipes):
@@ -57,7 +61,9 @@ def _work(record: "Record", names: Sequence[str], tolerate_gaps: bool, pipe: Con
     """Be one process. It says nothing of what goes wrong: the caller meets it again."""
     from daq.session.plan import SessionError
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the caller's to handle
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # an interrupt from the keyboard is the caller's to handle
     with suppress(SessionError, OSError, MemoryError):
         record.reopen()
         for first in range(0, len(names), BATCH):

@@ -13,5 +13,7 @@ def counted(count: int, noun: str) -> str:
 
 
 def escape(text: str, keep: str = "\n") -> str:
-    """Return text as HTML or XML text: nothing in it is taken for markup, and no character but `keep` is hidden."""
+    """Return text as HTML or XML text: nothing in it is taken for markup, and no character but
+    `keep` is hidden.
+    """
     return html.escape(visible(text, keep))

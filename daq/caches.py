@@ -86,7 +86,9 @@ def _temporary() -> Path | None:
         with suppress(FileExistsError):
             shared.mkdir(mode=0o700)
         state = shared.lstat()
-        private = os.name != "posix" or (state.st_uid == user and not state.st_mode & (stat.S_IRWXG | stat.S_IRWXO))
+        private = os.name != "posix" or (
+            state.st_uid == user and not state.st_mode & (stat.S_IRWXG | stat.S_IRWXO)
+        )
         if stat.S_ISDIR(state.st_mode) and private and writable(shared):
             return shared
         # The name is taken by somebody else's folder, or by a link.

@@ -49,7 +49,8 @@ def _text(value: Any, depth: int) -> str:
         first, last = "{}" if isinstance(value, dict) else "[]"
         # repr is how json writes a float; it spares an encoder call for each number.
         texts = [
-            repr(item) if type(item) is float and math.isfinite(item) else _text(item, depth + 1) for item in inner
+            repr(item) if type(item) is float and math.isfinite(item) else _text(item, depth + 1)
+            for item in inner
         ]
         if isinstance(value, dict):
             texts = [f"{_key(key)}: {text}" for key, text in zip(value, texts, strict=True)]

@@ -10,10 +10,18 @@ from pathlib import Path
 __all__ = ["NotRegular", "kind_of_place", "open_regular"]
 
 KINDS = {
-    stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device",
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
-}  # fmt: skip
-AT_ONCE = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+}
+AT_ONCE = (
+    os.O_RDONLY
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_BINARY", 0)
+)
 
 
 class NotRegular(OSError):
@@ -52,4 +60,8 @@ def _check(path: Path, found: os.stat_result) -> None:
 
 
 def _kind(found: os.stat_result) -> str:
-    return "a file" if stat.S_ISREG(found.st_mode) else KINDS.get(stat.S_IFMT(found.st_mode), "no file")
+    return (
+        "a file"
+        if stat.S_ISREG(found.st_mode)
+        else KINDS.get(stat.S_IFMT(found.st_mode), "no file")
+    )

@@ -15,7 +15,15 @@ from typing import BinaryIO
 
 from daq.regular_files import NotRegular, kind_of_place
 
-__all__ = ["UNFINISHED", "fresh_file", "mark_unfinished", "unfinished", "whole_file", "write_folder", "write_whole"]
+__all__ = [
+    "UNFINISHED",
+    "fresh_file",
+    "mark_unfinished",
+    "unfinished",
+    "whole_file",
+    "write_folder",
+    "write_whole",
+]
 
 UNFINISHED = "UNFINISHED.txt"
 """Note in a folder while its files are replaced one after the other; a kill in between leaves it
@@ -29,7 +37,9 @@ stopped in between, and what lies here does not belong together: some of it is o
 
 
 # O_EXCL and O_NOFOLLOW: nobody can plant a link under the temporary name.
-NEW_ONLY = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+NEW_ONLY = (
+    os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+)
 
 
 @contextmanager
@@ -109,7 +119,9 @@ def _make_parents(folder: Path, path: Path) -> None:
         if parent == folder:
             return
         if parent.is_symlink():
-            raise FileExistsError(f"{parent} is a symbolic link; the files would be written elsewhere")
+            raise FileExistsError(
+                f"{parent} is a symbolic link; the files would be written elsewhere"
+            )
 
 
 def _check_replaceable(path: Path) -> None:

@@ -14,5 +14,7 @@ repeats: 3
 
 report = run(load_protocol(PROTOCOL), Path("sessions/two_fills"), overwrite=True)
 for row in report.conditions:
-    print(f"fill {row.fill:.0%}: W_exp = {1e3 * row.W_exp:.1f} +- {1e3 * row.U_W_exp:.1f} mJ per cycle")
+    print(
+        f"fill {row.fill:.0%}: W_exp = {1e3 * row.W_exp:.1f} +- {1e3 * row.U_W_exp:.1f} mJ per cycle"
+    )
 print("verdict:", report.verdict)

@@ -1,4 +1,6 @@
-"""Force and acceleration as arrays, from anywhere: a rigid mass on a dashpot, whose energy is known: pi c w X^2."""
+"""Force and acceleration as arrays, from anywhere: a rigid mass on a dashpot, whose energy is
+known: pi c w X^2.
+"""
 
 import numpy as np
 

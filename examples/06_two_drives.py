@@ -1,4 +1,6 @@
-"""The same grains twice: an ideal waveform (servo) and the exciter in the loop (coupled), same seed, same refills."""
+"""The same grains twice: an ideal waveform (prescribed) and the exciter in the loop (coupled), same
+seed, same refills.
+"""
 
 from pathlib import Path
 
@@ -13,8 +15,14 @@ acquire: {settle: 5 cycles, record: 10 cycles}
 repeats: 2
 """
 
-for mode in ("servo", "coupled"):
-    report = run(load_protocol(PROTOCOL, sets=[f"drive.mode={mode}"]), Path("sessions") / mode, overwrite=True)
+for mode in ("prescribed", "shaker"):
+    report = run(
+        load_protocol(PROTOCOL, sets=[f"drive.mode={mode}"]),
+        Path("sessions") / mode,
+        overwrite=True,
+    )
     (row,) = report.conditions
     distortion = f"THD of the acceleration {row.thd_acceleration:.0%}"
-    print(f"{mode}: W_exp = {1e3 * row.W_exp:.1f} mJ per cycle at {row.acceleration:.2f} m/s^2, {distortion}")
+    print(
+        f"{mode}: W_exp = {1e3 * row.W_exp:.1f} mJ per cycle at {row.acceleration:.2f} m/s^2, {distortion}"
+    )

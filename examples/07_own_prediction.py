@@ -11,13 +11,19 @@ folder = Path("sessions/levels")
 run(load_protocol(PROTOCOL), folder, overwrite=True)
 
 levels = [2.9, 3.5, 4.0, 4.5, 5.2]  # m/s^2
-mine = {"acceleration": levels, "W_T": [0.0017 * a**2.9 for a in levels], "u_rel": 0.05}  # J per cycle
+mine = {
+    "acceleration": levels,
+    "W_T": [0.0017 * a**2.9 for a in levels],
+    "u_rel": 0.05,
+}  # J per cycle
 with open_session(folder / "session.h5") as record:
     energies = [run_energy(record, item.name) for item in record.runs]
     prediction = {"conditions": dict.fromkeys(record.conditions, mine)}
     report = agreement(energies, record.conditions, prediction, record.channels)
 
 for row in report.conditions:
-    print(f"{row.acceleration:.2f} m/s^2: measured {1e3 * row.W_exp:.0f}, mine {1e3 * row.W_T:.0f} mJ")
+    print(
+        f"{row.acceleration:.2f} m/s^2: measured {1e3 * row.W_exp:.0f}, mine {1e3 * row.W_T:.0f} mJ"
+    )
 total = report.agreement
 print(f"measured over mine: {total.ratio:.2f} +- {total.U_ratio:.2f}")

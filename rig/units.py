@@ -1,4 +1,6 @@
-"""Quantities: text with a unit to SI numbers and back, exactly; as shapes of a document, with unit and range."""
+"""Quantities: text with a unit to SI numbers and back, exactly; as shapes of a document, with unit
+and range.
+"""
 
 from __future__ import annotations
 
@@ -49,13 +51,20 @@ UNITS: Mapping[str, Mapping[str, Decimal]] = {
     "force sensitivity": {"V/N": _ONE, "mV/N": _MILLI},
     "voltage sensitivity": {"V/V": _ONE, "mV/V": _MILLI},
     "current sensitivity": {"V/A": _ONE, "mV/A": _MILLI},
-    "acceleration sensitivity": {"V/(m/s^2)": _ONE, "mV/(m/s^2)": _MILLI, "V/g": _ONE / _G, "mV/g": _MILLI / _G},
+    "acceleration sensitivity": {
+        "V/(m/s^2)": _ONE,
+        "mV/(m/s^2)": _MILLI,
+        "V/g": _ONE / _G,
+        "mV/g": _MILLI / _G,
+    },
 }
 """Dimension -> unit -> its size in SI. The SI unit is the first one; a plain number is in that
 unit.
 """
 
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].{0,20})?\s*", re.ASCII)
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].{0,20})?\s*", re.ASCII
+)
 _LONGEST_TEXT = 64
 
 LEAST_PER_CENT = 2.0
@@ -72,8 +81,9 @@ _POSITIVE = r"\+?(?=[\d.]*[1-9])(?:\d+\.?\d*|\.\d+)"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a number means and may be: `least` <= value <= `most`, or `least` < value where `above`; a whole number,
-    null, or one of some words where it says so. It is written as a plain number in SI, or as text with a unit."""
+    """What a number means and may be: `least` <= value <= `most`, or `least` < value where `above`;
+    a whole number, null, or one of some words where it says so. It is written as a plain number in
+    SI, or as text with a unit."""
 
     dimension: str = "number"
     least: float = -math.inf
@@ -88,16 +98,22 @@ class Quantity:
         return (value > self.least if self.above else value >= self.least) and value <= self.most
 
     def __str__(self) -> str:
-        """Return the allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm, cm, um)"."""
+        """Return the allowed range in words, with the units: "above 0 m, at most 20 m (units m, mm,
+        cm, um)".
+        """
         if self.whole:
             return ", ".join(part for part in ("a whole number", self.range()) if part)
-        return ", or ".join([f"{self.range() or 'a number'} ({allowed_units(self.dimension)})", *self.words])
+        return ", or ".join(
+            [f"{self.range() or 'a number'} ({allowed_units(self.dimension)})", *self.words]
+        )
 
     def range(self) -> str:
         """Return the allowed range in words, "" if every number is allowed."""
         parts = []
         if math.isfinite(self.least):
-            parts.append(f"{'above' if self.above else 'at least'} {_short(self.least, self.dimension)}")
+            parts.append(
+                f"{'above' if self.above else 'at least'} {_short(self.least, self.dimension)}"
+            )
         if math.isfinite(self.most):
             parts.append(f"at most {_short(self.most, self.dimension)}")
         return ", ".join(parts)
@@ -121,7 +137,12 @@ class Quantity:
         if not isinstance(value, int | float) or isinstance(value, bool):
             raise notes.refuse(node, path, self)
         if not self.holds(value):
-            raise notes.refuse(node, path, self, "" if isinstance(written, str) else suggest_unit(float(value), self))
+            raise notes.refuse(
+                node,
+                path,
+                self,
+                "" if isinstance(written, str) else suggest_unit(float(value), self),
+            )
         if 0 < abs(value) < SMALLEST:
             raise notes.refuse(node, path, f"{self}; 0, or at least {SMALLEST:g} in size")
         if self.whole and value != int(value):
@@ -136,7 +157,9 @@ class Quantity:
         return value if self.dimension == "number" else format_quantity(value, self.dimension)
 
     def schema(self, _kinds: dict[str, Any]) -> dict[str, Any]:
-        """A plain number in its range, or text with a unit; of the text's number the sign is checked."""
+        """A plain number in its range, or text with a unit; of the text's number the sign is
+        checked.
+        """
         number: dict[str, Any] = {"type": "integer" if self.whole else "number"}
         if math.isfinite(self.least):
             number["exclusiveMinimum" if self.above else "minimum"] = self.least
@@ -144,11 +167,16 @@ class Quantity:
             number["maximum"] = self.most
         positive = self.least > 0 or (self.least == 0 and self.above)
         digits = _POSITIVE if positive else _NOT_NEGATIVE if self.least == 0 else _ANY
-        units = "|".join(_escaped(unit) for unit in sorted(UNITS[self.dimension], key=len, reverse=True))
+        units = "|".join(
+            _escaped(unit) for unit in sorted(UNITS[self.dimension], key=len, reverse=True)
+        )
         pattern = rf"^\s*{digits}(?:[eE][-+]?\d+)?\s*(?:{units})\s*$"
         forms = [number, {"type": "string", "pattern": pattern, "maxLength": _LONGEST_TEXT}]
         forms += [{"enum": list(self.words)}] if self.words else []
-        return {"description": str(self), "anyOf": forms + ([{"type": "null"}] if self.null else [])}
+        return {
+            "description": str(self),
+            "anyOf": forms + ([{"type": "null"}] if self.null else []),
+        }
 
 
 class UnitError(ValueError):
@@ -206,7 +234,11 @@ def suggest_unit(value: float, quantity: Quantity) -> str:
         return ""  # a count or a coefficient, or a share a little above one: per cent of it are no help
     for unit, scale in UNITS[quantity.dimension].items():
         if scale < 1 and math.isfinite(value) and quantity.holds(value * float(scale)):
-            plain = f"{value:g} is {_short(value, quantity.dimension)}; " if unit_of(quantity.dimension) else ""
+            plain = (
+                f"{value:g} is {_short(value, quantity.dimension)}; "
+                if unit_of(quantity.dimension)
+                else ""
+            )
             return f"{plain}did you mean {value:g} {unit}?"
     return ""
 

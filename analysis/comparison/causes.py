@@ -1,8 +1,9 @@
 """What could make W_exp exceed W_T, and the marks by which the candidates are told apart.
 
-Each cause has a closed form in acceleration, frequency and mass. Where a run holds the cause, the ledger's energies
-take the form's place; where it does not, the form says what it would do on this rig. Growth is the slope of ln(energy)
-against ln(acceleration, moving mass, fill), fitted within conditions that differ in nothing else.
+Each cause has a closed form in acceleration, frequency and mass. Where a run holds the cause, the
+ledger's energies take the form's place; where it does not, the form says what it would do on this
+rig. Growth is the slope of ln(energy) against ln(acceleration, moving mass, fill), fitted within
+conditions that differ in nothing else.
 """
 
 import math
@@ -19,13 +20,22 @@ from analysis.uncertainty.budget import angle_uncertainty, certificate_lines
 
 __all__ = ["causes"]
 
-NEEDED = ("loss_noise", "loss_air", "guide_friction", "gravity", "cord_frequency", "cord_loss_factor")
+NEEDED = (
+    "loss_noise",
+    "loss_air",
+    "guide_friction",
+    "gravity",
+    "cord_frequency",
+    "cord_loss_factor",
+)
 SCALES = {"force sensitivity", "acceleration sensitivity", "force gain", "acceleration gain"}
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A box at work. SI; M: box, gauge side and bed, kg; M_eff: apparent mass; W, W_T: J per cycle; n = dlnW_T/dlna."""
+    """A box at work. SI; M: box, gauge side and bed, kg; M_eff: apparent mass; W, W_T: J per cycle;
+    n = dlnW_T/dlna.
+    """
 
     acceleration: float
     frequency: float
@@ -53,7 +63,9 @@ Form = Callable[[OperatingPoint], float]
 
 @dataclass(frozen=True)
 class Cause:
-    """A candidate: closed form (J per cycle, None where there is none), ledger column and what has to be listed."""
+    """A candidate: closed form (J per cycle, None where there is none), ledger column and what has
+    to be listed.
+    """
 
     name: str
     law: str
@@ -71,16 +83,26 @@ class Cause:
 def causes(
     results: Sequence[Result], channels: Mapping[str, ChannelFacts], assumed: Iterable[RigValue]
 ) -> tuple[CauseRow, ...]:
-    """A row per cause, first what is to be explained: W_exp - W_T. Empty without results or without a rig's values.
-    Numbers are None where the run cannot tell."""
+    """A row per cause, first what is to be explained: W_exp - W_T. Empty without results or without
+    a rig's values. Numbers are None where the run cannot tell."""
     rig = {
-        value.path: value.value for value in assumed if value.path in NEEDED and isinstance(value.value, float | int)
+        value.path: value.value
+        for value in assumed
+        if value.path in NEEDED and isinstance(value.value, float | int)
     }
     if not results or len(rig) < len(NEEDED):
         return ()
     points = {result.setting.id: _point(result) for result in results}
-    rows = [_row(Cause("measured excess", "W_exp - W_T", "What has to be explained.", None), results, points,
-                 {name: point.W - point.W_T for name, point in points.items()}, None, True)]  # fmt: skip
+    rows = [
+        _row(
+            Cause("measured excess", "W_exp - W_T", "What has to be explained.", None),
+            results,
+            points,
+            {name: point.W - point.W_T for name, point in points.items()},
+            None,
+            True,
+        )
+    ]
     for cause in _candidates({name: float(rig[name]) for name in NEEDED}, channels):
         listed = [result for result in results if cause.listed(result.setting)]
         energies = {name: cause.form(point) for name, point in points.items()} if cause.form else {}
@@ -94,37 +116,95 @@ def causes(
     return tuple(rows)
 
 
-def _candidates(rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]) -> tuple[Cause, ...]:
+def _candidates(
+    rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]
+) -> tuple[Cause, ...]:
     force, acceleration = channels["force"], channels["acceleration"]
 
     def phase(p: OperatingPoint) -> float:
-        return math.pi * p.M_eff * p.omega**2 * p.X**2 * angle_uncertainty(force, acceleration, p.frequency).U
+        return (
+            math.pi
+            * p.M_eff
+            * p.omega**2
+            * p.X**2
+            * angle_uncertainty(force, acceleration, p.frequency).U
+        )
 
     def scale(p: OperatingPoint) -> float:
         lines = certificate_lines(force, acceleration, p.frequency, p.W, 0.0, p.W_T, p.n)
-        return 2 * math.sqrt(math.fsum((line.part - line.part_T) ** 2 for line in lines if line.source in SCALES))
+        return 2 * math.sqrt(
+            math.fsum((line.part - line.part_T) ** 2 for line in lines if line.source in SCALES)
+        )
 
     def cords(p: OperatingPoint) -> float:
-        return math.pi * rig["cord_loss_factor"] * p.M * (2 * math.pi * rig["cord_frequency"]) ** 2 * p.X**2
+        return (
+            math.pi
+            * rig["cord_loss_factor"]
+            * p.M
+            * (2 * math.pi * rig["cord_frequency"]) ** 2
+            * p.X**2
+        )
 
     return (
-        Cause("noise", "pi c w X^2", "Grows as a squared and knows no mass: the empty box keeps all of it, and it "
-              "weighs most where the bed takes least.", lambda p: math.pi * rig["loss_noise"] * p.omega * p.X**2,
-              "W_noise", "noise"),
-        Cause("air", "8/3 k w^2 X^3", "Grows as a cubed and knows no mass: the empty box keeps all of it.",
-              lambda p: 8 / 3 * rig["loss_air"] * p.omega**2 * p.X**3, "W_air", "air"),
-        Cause("gas", "Ergun on the bed's slip", "Needs slip: nothing is left of it where nothing slides.", None,
-              "W_gas", "gas"),
-        Cause("guide friction", "4 mu M g X", "Grows with a and with the moving weight: little in the empty box, "
-              "most in the heaviest.", lambda p: 4 * rig["guide_friction"] * p.M * rig["gravity"] * p.X,
-              "W_mount", "mount", "guide"),
-        Cause("cords", "pi eta k X^2", "Grows as a squared and with the mass that the cords are chosen for.", cords,
-              "W_mount", "mount", "cords"),
-        Cause("sensor phase", "(pi/w^2) M_eff a^2 U(angle)", "Grows as a squared and with the apparent mass: a locked "
-              "bed shows it. As large as the certificates allow.", phase),
-        Cause("scale", "U(sensitivities, gains)", "In proportion to W, the level's part as 1 - n: gone where nothing "
-              "is dissipated. As large as the certificates allow.", scale),
-    )  # fmt: skip
+        Cause(
+            "noise",
+            "pi c w X^2",
+            "Grows as a squared and knows no mass: the empty box keeps all of it, and it "
+            "weighs most where the bed takes least.",
+            lambda p: math.pi * rig["loss_noise"] * p.omega * p.X**2,
+            "W_noise",
+            "noise",
+        ),
+        Cause(
+            "air",
+            "8/3 k w^2 X^3",
+            "Grows as a cubed and knows no mass: the empty box keeps all of it.",
+            lambda p: 8 / 3 * rig["loss_air"] * p.omega**2 * p.X**3,
+            "W_air",
+            "air",
+        ),
+        Cause(
+            "gas",
+            "Ergun on the bed's slip",
+            "Needs slip: nothing is left of it where nothing slides.",
+            None,
+            "W_gas",
+            "gas",
+        ),
+        Cause(
+            "guide friction",
+            "4 mu M g X",
+            "Grows with a and with the moving weight: little in the empty box, "
+            "most in the heaviest.",
+            lambda p: 4 * rig["guide_friction"] * p.M * rig["gravity"] * p.X,
+            "W_mount",
+            "mount",
+            "guide",
+        ),
+        Cause(
+            "cords",
+            "pi eta k X^2",
+            "Grows as a squared and with the mass that the cords are chosen for.",
+            cords,
+            "W_mount",
+            "mount",
+            "cords",
+        ),
+        Cause(
+            "sensor phase",
+            "(pi/w^2) M_eff a^2 U(angle)",
+            "Grows as a squared and with the apparent mass: a locked "
+            "bed shows it. As large as the certificates allow.",
+            phase,
+        ),
+        Cause(
+            "scale",
+            "U(sensitivities, gains)",
+            "In proportion to W, the level's part as 1 - n: gone where nothing "
+            "is dissipated. As large as the certificates allow.",
+            scale,
+        ),
+    )
 
 
 def _point(result: Result) -> OperatingPoint:
@@ -133,15 +213,27 @@ def _point(result: Result) -> OperatingPoint:
     W_T = result.W_T.value if result.W_T else 0.0
     exponent = result.predicted.exponent or 0.0
     return OperatingPoint(
-        result.mean("level"), s.frequency, M, result.mean("M_eff"), result.W_exp.value, W_T, exponent, s.fill or 0.0,
-        (s.bed, s.material, s.density, s.diameter), (s.frequency, s.acceleration_set),
-    )  # fmt: skip
+        result.mean("level"),
+        s.frequency,
+        M,
+        result.mean("M_eff"),
+        result.W_exp.value,
+        W_T,
+        exponent,
+        s.fill or 0.0,
+        (s.bed, s.material, s.density, s.diameter),
+        (s.frequency, s.acceleration_set),
+    )
 
 
 def _row(
-    cause: Cause, results: Sequence[Result], points: Mapping[str, OperatingPoint], energies: Mapping[str, float],
-    form: Form | None, in_run: bool,
-) -> CauseRow:  # fmt: skip
+    cause: Cause,
+    results: Sequence[Result],
+    points: Mapping[str, OperatingPoint],
+    energies: Mapping[str, float],
+    form: Form | None,
+    in_run: bool,
+) -> CauseRow:
     known = [(points[name], energy) for name, energy in energies.items()]
     told = [(point, energy) for point, energy in known if point.W_T > 0]
     total = math.fsum(point.W_T for point, _ in told)
@@ -151,16 +243,25 @@ def _row(
         empty_from = empty_from and "computed"
         locked_from = locked_from and "computed"
     return CauseRow(
-        cause=cause.name, law=cause.law, words=cause.words, in_run=in_run,
+        cause=cause.name,
+        law=cause.law,
+        words=cause.words,
+        in_run=in_run,
         grows_with=Growth(
-            acceleration=_slope([(p.acceleration, e, (p.kind, p.fill, p.frequency)) for p, e in known]),
+            acceleration=_slope(
+                [(p.acceleration, e, (p.kind, p.fill, p.frequency)) for p, e in known]
+            ),
             mass=_slope([(p.M, e, p.level) for p, e in known]),
             fill=_slope([(p.fill, e, (p.kind, p.level)) for p, e in known]),
         ),
         share=math.fsum(energy for _, energy in told) / total if total else None,
-        empty=empty, empty_from=empty_from, locked=locked, locked_from=locked_from,
-        over_first_principles=None, note="",
-    )  # fmt: skip
+        empty=empty,
+        empty_from=empty_from,
+        locked=locked,
+        locked_from=locked_from,
+        over_first_principles=None,
+        note="",
+    )
 
 
 def _left(
@@ -170,8 +271,9 @@ def _left(
     form: Form | None,
     bed: bool,
 ) -> tuple[float | None, str | None]:
-    """Energy in the empty box (bed: with a locked bed) over the largest W_T at the same level, summed over the levels;
-    from such conditions of the run where there are any, else by the closed form."""
+    """Energy in the empty box (bed: with a locked bed) over the largest W_T at the same level,
+    summed over the levels; from such conditions of the run where there are any, else by the closed
+    form."""
     fullest: dict[tuple[float, float], Result] = {}
     still: dict[tuple[float, float], str] = {}
     for result in results:
@@ -187,7 +289,10 @@ def _left(
     if of_run:
         found, source = [(energies[still[level]], level) for level in of_run], "run"
     elif form is not None:
-        found, source = [(form(_still(fullest[level], points, bed)), level) for level in levels], "computed"
+        found, source = (
+            [(form(_still(fullest[level], points, bed)), level) for level in levels],
+            "computed",
+        )
     else:
         return None, None
     total = math.fsum(points[fullest[level].setting.id].W_T for _, level in found)
@@ -202,7 +307,9 @@ def _still(result: Result, points: Mapping[str, OperatingPoint], bed: bool) -> O
 
 
 def _slope(cases: Iterable[tuple[float, float, Any]]) -> float | None:
-    """Common slope of ln y against ln x of (x, y, group), each group with a level of its own; None where x stands."""
+    """Common slope of ln y against ln x of (x, y, group), each group with a level of its own; None
+    where x stands.
+    """
     groups: dict[Any, list[tuple[float, float]]] = {}
     for x, y, group in cases:
         if x > 0 and y > 0:
@@ -217,14 +324,22 @@ def _slope(cases: Iterable[tuple[float, float, Any]]) -> float | None:
 
 def _mean(result: Result, column: str) -> float | None:
     """Mean of a ledger column over the runs, J per cycle; None without truth."""
-    values = [run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger]
+    values = [
+        run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger
+    ]
     return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
 
 
 def _over_first_principles(results: Iterable[Result], loss: str) -> Span | None:
     """Least and largest of a loss's coefficient over its size by first principles."""
-    known = [facts for facts in (result.setting.over_first_principles for result in results) if facts is not None]
-    found = [value for value in (getattr(facts, loss, None) for facts in known) if value is not None]
+    known = [
+        facts
+        for facts in (result.setting.over_first_principles for result in results)
+        if facts is not None
+    ]
+    found = [
+        value for value in (getattr(facts, loss, None) for facts in known) if value is not None
+    ]
     return Span(float(min(found)), float(max(found))) if found else None
 
 
@@ -235,5 +350,7 @@ def _gas_note(listed: Sequence[Result]) -> str:
         return "not listed in this run"
     shares = [100 * float(facts.share_of_weight) for facts in found]
     on = sum(facts.on for facts in found)
-    state = "off" if not on else "on" if on == len(found) else f"on in {on} of {len(found)} conditions"
+    state = (
+        "off" if not on else "on" if on == len(found) else f"on in {on} of {len(found)} conditions"
+    )
     return f"{state}, {min(shares):.2g} % to {max(shares):.2g} % of the bed's weight"

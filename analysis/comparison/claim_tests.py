@@ -1,7 +1,7 @@
 """The tests behind the claims: each takes the levels of one case and says what was found.
 
-A test at LEVEL gives `holds`; `does not hold` is tested at LEVEL over the number of cases, because one case is enough
-to contradict a claim; what neither test tells is `undecided`.
+A test at LEVEL gives `holds`; `does not hold` is tested at LEVEL over the number of cases, because
+one case is enough to contradict a claim; what neither test tells is `undecided`.
 """
 
 import math
@@ -23,7 +23,9 @@ LEVEL = 0.05
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 QUADRATIC = 2.0  # exponent of everything linear: W of a dashpot, of a phase error
 FEWEST_LEVELS = 3
-NOISE = 3.0  # standard deviations of the instruments' noise that an energy must exceed to count as seen
+NOISE = (
+    3.0  # standard deviations of the instruments' noise that an energy must exceed to count as seen
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,9 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """One value of the field a claim is about, and the conditions that have it (several where a mean is claimed)."""
+    """One value of the field a claim is about, and the conditions that have it (several where a
+    mean is claimed).
+    """
 
     label: str
     results: tuple[Result, ...]
@@ -46,8 +50,9 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is claimed of the levels: the values named, the limits fixed beforehand, the number of cases in all; and how
-    all conditions of the session scatter (None: known from the levels themselves)."""
+    """What is claimed of the levels: the values named, the limits fixed beforehand, the number of
+    cases in all; and how all conditions of the session scatter (None: known from the levels
+    themselves)."""
 
     values: tuple[str, ...]
     limits: tuple[float, ...]
@@ -65,8 +70,9 @@ class Scatter:
     """How ln W of single runs scatters, condition by condition: each one's own variance, shrunk
     towards the expected one.
 
-    is_expected: the variances are expected in the proportions that the prediction's refills give, otherwise alike.
-    levels: variance of ln of the levels reached, of all conditions together, which is the drive's.
+    is_expected: the variances are expected in the proportions that the prediction's refills give,
+    otherwise alike. levels: variance of ln of the levels reached, of all conditions together, which
+    is the drive's.
     """
 
     prior: Prior
@@ -77,8 +83,8 @@ class Scatter:
     def of(cls, results: Iterable[Result]) -> "Scatter | None":
         """From the conditions of a session; None without repeats.
 
-        Conditions in which nothing can slide count only where there are no others: a refill changes nothing in them, so
-        that their scatter says nothing about the others'.
+        Conditions in which nothing can slide count only where there are no others: a refill changes
+        nothing in them, so that their scatter says nothing about the others'.
         """
         repeated = [r for r in results if _seen(r) and len(r.runs) > 1]
         counted = [r for r in repeated if not _is_still(r)] or repeated
@@ -89,7 +95,9 @@ class Scatter:
         known = [variance for variance in expected if variance is not None]
         scales = known if len(known) == len(counted) else [1.0] * len(counted)
         own = map(_own_variance, counted)
-        prior = prior_of([(variance / scale, nu) for (variance, nu), scale in zip(own, scales, strict=True)])
+        prior = prior_of(
+            [(variance / scale, nu) for (variance, nu), scale in zip(own, scales, strict=True)]
+        )
         return cls(prior, len(known) == len(counted), levels)
 
     def run(self, result: Result) -> tuple[float, float]:
@@ -104,10 +112,14 @@ def _is_still(result: Result) -> bool:
 
 
 def _own_variance(result: Result) -> tuple[float, float]:
-    """Variance of ln W between the runs of a condition, with its degrees of freedom; 0 of those where nothing tells."""
+    """Variance of ln W between the runs of a condition, with its degrees of freedom; 0 of those
+    where nothing tells.
+    """
     if len(result.runs) < 2 or not _seen(result):
         return 0.0, 0.0
-    return max(_variance([math.log(run.energy.W) for run in result.runs]), RESOLUTION**2), len(result.runs) - 1.0
+    return max(_variance([math.log(run.energy.W) for run in result.runs]), RESOLUTION**2), len(
+        result.runs
+    ) - 1.0
 
 
 def _of_levels(results: Iterable[Result]) -> float:
@@ -122,8 +134,8 @@ def _of_levels(results: Iterable[Result]) -> float:
 
 
 def _expected(result: Result, of_levels: float) -> float | None:
-    """Variance of ln W that the prediction's refills, the scatter of the levels (W goes as a^n) and the instruments'
-    noise lead to expect; None where no refills were predicted."""
+    """Variance of ln W that the prediction's refills, the scatter of the levels (W goes as a^n) and
+    the instruments' noise lead to expect; None where no refills were predicted."""
     total = result.W_T.value if result.W_T is not None else None
     if _is_still(result):
         total = 0.0
@@ -143,9 +155,10 @@ def _variance(values: Sequence[float]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Logs:
-    """Means of ln W of the levels; most: degrees of freedom of all conditions; s: standard deviation of a run in the
-    least and in the most scattering condition. seen: the energy stands out of what the instruments can tell; where not,
-    the mean is an upper limit, which may lose but not win.
+    """Means of ln W of the levels; most: degrees of freedom of all conditions; s: standard
+    deviation of a run in the least and in the most scattering condition. seen: the energy stands
+    out of what the instruments can tell; where not, the mean is an upper limit, which may lose but
+    not win.
     """
 
     means: tuple[Mean, ...]
@@ -173,7 +186,9 @@ def logs(levels: Sequence[Level], scatter: Scatter | None = None) -> Logs | None
         parts = [(run[id(r)][0] / len(r.runs) / m**2, run[id(r)][1]) for r in level.results]
         nu = effective_dof([(math.sqrt(variance), nu) for variance, nu in parts])
         mean = math.fsum(map(_log, level.results)) / m
-        means.append((mean, math.fsum(variance for variance, _ in parts), min(nu, common.prior.most)))
+        means.append(
+            (mean, math.fsum(variance for variance, _ in parts), min(nu, common.prior.most))
+        )
     spread = [math.sqrt(variance) for variance, _ in run.values()]
     seen = tuple(all(map(_seen, level.results)) for level in levels)
     return Logs(tuple(means), common.prior.most, seen, (min(spread), max(spread)))
@@ -194,14 +209,20 @@ def _log(result: Result) -> float:
 def _without_scatter(levels: Sequence[Level]) -> Finding:
     """Why nothing can be compared."""
     if len(levels) < 2:
-        return Finding("", OPEN, f"only one value was measured, {levels[0].label}: nothing to compare it with")
+        return Finding(
+            "", OPEN, f"only one value was measured, {levels[0].label}: nothing to compare it with"
+        )
     if any(len(result.runs) > 1 for level in levels for result in level.results):
-        return Finding("", OPEN, "no repeated condition stands out of what the instruments can tell")
+        return Finding(
+            "", OPEN, "no repeated condition stands out of what the instruments can tell"
+        )
     return Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
 
 
 def optimum(levels: Sequence[Level], question: Question) -> Finding:
-    """The values named are the only ones not beaten by another (multiple comparisons with the best)."""
+    """The values named are the only ones not beaten by another (multiple comparisons with the
+    best).
+    """
     found = logs(levels, question.scatter)
     if found is None:
         return _without_scatter(levels)
@@ -209,7 +230,11 @@ def optimum(levels: Sequence[Level], question: Question) -> Finding:
     top = max(range(len(labels)), key=found.means.__getitem__)  # by the mean, which comes first
     p = beaten(found.means, found.most)
     left = tuple(label for label, of in zip(labels, p, strict=True) if of > LEVEL)
-    named = [of <= question.against for label, of in zip(labels, p, strict=True) if label in question.values]
+    named = [
+        of <= question.against
+        for label, of in zip(labels, p, strict=True)
+        if label in question.values
+    ]
     why = f"{_listed(left)} {'is' if len(left) == 1 else 'are'} not beaten by another of {len(labels)} values"
     why += f" ({_scatter(found)}){_predicted_best(levels)}"
     if len(labels) < 2 or not named or not found.seen[top]:
@@ -221,11 +246,15 @@ def optimum(levels: Sequence[Level], question: Question) -> Finding:
 
 def _predicted_best(levels: Sequence[Level]) -> str:
     """Where the prediction is largest; "" where it is not known or zero throughout."""
-    totals = [[r.W_T.value for r in level.results if r.W_T is not None and r.W_T.value > 0] for level in levels]
+    totals = [
+        [r.W_T.value for r in level.results if r.W_T is not None and r.W_T.value > 0]
+        for level in levels
+    ]
     known = [
         (math.fsum(map(math.log, total)) / len(total), level.label)
-        for total, level in zip(totals, levels, strict=True) if total and len(total) == len(level.results)
-    ]  # fmt: skip
+        for total, level in zip(totals, levels, strict=True)
+        if total and len(total) == len(level.results)
+    ]
     return f"; W_T is largest at {max(known)[1]}" if known else ""
 
 
@@ -248,8 +277,12 @@ def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
         return Finding("", OPEN, "not all values named were measured")
     up = holm([found.exceeds(j, i) for i, j in pairs])
     down = holm([found.exceeds(i, j) for i, j in pairs])
-    marks = ["<" if a <= LEVEL else ">" if b <= LEVEL else "~" for a, b in zip(up, down, strict=True)]
-    chain = levels[0].label + "".join(f" {m} {level.label}" for m, level in zip(marks, levels[1:], strict=True))
+    marks = [
+        "<" if a <= LEVEL else ">" if b <= LEVEL else "~" for a, b in zip(up, down, strict=True)
+    ]
+    chain = levels[0].label + "".join(
+        f" {m} {level.label}" for m, level in zip(marks, levels[1:], strict=True)
+    )
     for_it, against = (up, down) if sign > 0 else (down, up)
     told = sum(p <= LEVEL for p in for_it)
     contrary = sum(p <= question.against for p in against)
@@ -259,11 +292,21 @@ def _steps(levels: Sequence[Level], question: Question, sign: int) -> Finding:
 
 
 def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
-    """n = dlnW/dlna differs from 2 by more than the margin: straight line through ln W over ln a of the runs."""
-    runs = [run for level in levels if all(map(_seen, level.results)) for r in level.results for run in r.runs]
+    """n = dlnW/dlna differs from 2 by more than the margin: straight line through ln W over ln a of
+    the runs.
+    """
+    runs = [
+        run
+        for level in levels
+        if all(map(_seen, level.results))
+        for r in level.results
+        for run in r.runs
+    ]
     seen = sum(all(map(_seen, level.results)) for level in levels)
     if seen < FEWEST_LEVELS:
-        return Finding("", OPEN, f"{seen} levels stand out of the detection limit, {FEWEST_LEVELS} are needed")
+        return Finding(
+            "", OPEN, f"{seen} levels stand out of the detection limit, {FEWEST_LEVELS} are needed"
+        )
     x, y = np.log([[run.energy.level, run.energy.W] for run in runs]).T
     x = x - x.mean()
     if not x.any():
@@ -274,8 +317,12 @@ def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
     slope = Estimate(n, math.sqrt(max(float(rest @ rest) / nu, RESOLUTION**2) / float(x @ x)), nu)
     (margin,) = question.limits
     off = abs(n - QUADRATIC)
-    verdict = HOLDS if off - slope.U > margin else FAILS if off + _t(slope, question) < margin else OPEN
-    why = f"n - 2 = {n - QUADRATIC:.3f} with U = {slope.U:.2g} over {seen} levels; margin {margin:g}"
+    verdict = (
+        HOLDS if off - slope.U > margin else FAILS if off + _t(slope, question) < margin else OPEN
+    )
+    why = (
+        f"n - 2 = {n - QUADRATIC:.3f} with U = {slope.U:.2g} over {seen} levels; margin {margin:g}"
+    )
     return Finding(f"n = {n:.2f}", verdict, why)
 
 
@@ -289,7 +336,9 @@ def nearly_zero(levels: Sequence[Level], question: Question) -> Finding:
     gap = combine(allowed - abs(low.value), [*low.parts(), *full.parts(margin)])
     verdict = HOLDS if gap.value > _t(gap) else FAILS if -gap.value > _t(gap, question) else OPEN
     why = f"W = {1e3 * low.value:.3g} mJ with U = {1e3 * low.U:.2g} mJ; {100 * margin:g} % of full is "
-    return Finding(f"{100 * low.value / full.value:.2g} % of full", verdict, f"{why}{1e3 * allowed:.3g} mJ")
+    return Finding(
+        f"{100 * low.value / full.value:.2g} % of full", verdict, f"{why}{1e3 * allowed:.3g} mJ"
+    )
 
 
 def offset_within(levels: Sequence[Level], question: Question) -> Finding:
@@ -301,15 +350,19 @@ def offset_within(levels: Sequence[Level], question: Question) -> Finding:
     offset = ratio.value - 1
     inside = min(offset - low, high - offset)
     verdict = HOLDS if inside > _t(ratio) else FAILS if -inside > _t(ratio, question) else OPEN
-    why = f"U = {100 * ratio.U:.2g} % (k = {ratio.k:.2f}); limits {100 * low:g} % to {100 * high:g} %"
+    why = (
+        f"U = {100 * ratio.U:.2g} % (k = {ratio.k:.2f}); limits {100 * low:g} % to {100 * high:g} %"
+    )
     return Finding(f"{100 * offset:.1f} %", verdict, why)
 
 
 def _t(estimate: Estimate, question: Question | None = None) -> float:
-    """Half width of an estimate's interval at LEVEL (the stated U), or at the level of the contradiction.
+    """Half width of an estimate's interval at LEVEL (the stated U), or at the level of the
+    contradiction.
 
-    A one-sided test would allow the interval at twice the level. Refills scatter with a long upper tail, so that four
-    of them err low more often than high: at a limit from above it held falsely in 7 %, the stated interval in 5 %.
+    A one-sided test would allow the interval at twice the level. Refills scatter with a long upper
+    tail, so that four of them err low more often than high: at a limit from above it held falsely
+    in 7 %, the stated interval in 5 %.
     """
     level = question.against if question else LEVEL
     return estimate.factor(1 - level) * estimate.u

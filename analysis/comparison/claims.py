@@ -1,7 +1,7 @@
 """Claims of the protocol judged from the session: findings, which never fail a run.
 
-An entry names the cases and the conditions of each (session document `protocol`, key `expect`), so that nothing of the
-protocol's grammar is needed here and a laboratory may write its own.
+An entry names the cases and the conditions of each (session document `protocol`, key `expect`), so
+that nothing of the protocol's grammar is needed here and a laboratory may write its own.
 """
 
 from collections import Counter
@@ -23,14 +23,17 @@ def judge(expect: Iterable[ExpectedClaim], results: Mapping[str, Result]) -> tup
 
     results: evaluated conditions by id.
 
-    A claim over several cases holds where it holds in every one (each tested at 5 %: an intersection-union test) and
-    does not hold where one contradicts it (each tested at 5 % over their number).
+    A claim over several cases holds where it holds in every one (each tested at 5 %: an
+    intersection-union test) and does not hold where one contradicts it (each tested at 5 % over
+    their number).
     """
     scatter = Scatter.of(results.values())
     return tuple(_entry(entry, results, scatter) for entry in expect)
 
 
-def _entry(entry: ExpectedClaim, results: Mapping[str, Result], scatter: Scatter | None) -> ClaimRow:
+def _entry(
+    entry: ExpectedClaim, results: Mapping[str, Result], scatter: Scatter | None
+) -> ClaimRow:
     question = Question(entry.values, entry.limits, max(1, len(entry.cases)), scatter)
     cases = [(_place(case.at), _case(entry, question, case, results)) for case in entry.cases]
     whole = _whole(cases)
@@ -50,10 +53,17 @@ def _row(at: str, finding: Finding) -> CaseRow:
     return CaseRow(at, finding.found, finding.verdict, finding.why, finding.ties)
 
 
-def _case(entry: ExpectedClaim, question: Question, case: ClaimCase, results: Mapping[str, Result]) -> Finding:
-    levels = [Level(level.value, tuple(results[c] for c in level.conditions if c in results)) for level in case.levels]
+def _case(
+    entry: ExpectedClaim, question: Question, case: ClaimCase, results: Mapping[str, Result]
+) -> Finding:
+    levels = [
+        Level(level.value, tuple(results[c] for c in level.conditions if c in results))
+        for level in case.levels
+    ]
     if entry.over and len({len(level.results) for level in levels}) > 1:
-        return Finding("", "undecided", f"not every value was measured at every {_field(entry.over)}")
+        return Finding(
+            "", "undecided", f"not every value was measured at every {_field(entry.over)}"
+        )
     one_each = not entry.over and entry.kind != "offset_within"
     if one_each and any(len(level.conditions) > 1 for level in case.levels):
         return Finding("", "undecided", f"several conditions have the same {_field(entry.about)}")
@@ -74,8 +84,12 @@ def _whole(cases: list[tuple[str, Finding]]) -> Finding:
     found = dict.fromkeys(finding.found for _, finding in cases)
     shown = [f"{at}: {finding.found or finding.verdict}" for at, finding in cases]
     same = len(found) == 1 and "" not in found
-    counts = ", ".join(f"{verdict} in {verdicts[verdict]}" for verdict in VERDICTS if verdicts[verdict])
-    return Finding(next(iter(found)) if same else "; ".join(shown), whole, f"{len(cases)} cases: {counts}")
+    counts = ", ".join(
+        f"{verdict} in {verdicts[verdict]}" for verdict in VERDICTS if verdicts[verdict]
+    )
+    return Finding(
+        next(iter(found)) if same else "; ".join(shown), whole, f"{len(cases)} cases: {counts}"
+    )
 
 
 def _place(at: Mapping[str, str]) -> str:

@@ -1,9 +1,11 @@
-"""One session is one family of tests: a healthy rig fails any of them, together, in at most 5 % of the sessions.
+"""One session is one family of tests: a healthy rig fails any of them, together, in at most 5 % of
+the sessions.
 
-Each test alone would be wrong in 5 %, some nearly always together, because all see one draw of the same sensors. So the
-critical value is that of the largest of them all: tests are normal scores that share what the instruments share, and
-the share of joint draws in which the largest exceeds it is 5 %. What is not known to be shared counts as apart: among
-two-sided tests that makes the critical value larger, never smaller (Sidak, J. Am. Stat. Assoc. 62, 626 (1967)).
+Each test alone would be wrong in 5 %, some nearly always together, because all see one draw of the
+same sensors. So the critical value is that of the largest of them all: tests are normal scores that
+share what the instruments share, and the share of joint draws in which the largest exceeds it is 5
+%. What is not known to be shared counts as apart: among two-sided tests that makes the critical
+value larger, never smaller (Sidak, J. Am. Stat. Assoc. 62, 626 (1967)).
 """
 
 import math
@@ -19,9 +21,17 @@ from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate, coverage_factor
 
 __all__ = [
-    "ALONE", "CHAIN_SHARE", "FAILS", "Reference", "Zero", "chain_tests", "common", "critical_score", "needed",
+    "ALONE",
+    "CHAIN_SHARE",
+    "FAILS",
+    "Reference",
+    "Zero",
+    "chain_tests",
+    "common",
+    "critical_score",
+    "needed",
     "sign_tests",
-]  # fmt: skip
+]
 
 LEVEL = 0.95
 ALONE = coverage_factor(math.inf, LEVEL)  # critical score of a single test
@@ -34,8 +44,8 @@ TOGETHER = 64  # tests whose loads meet the draws in one product
 
 @dataclass(frozen=True, slots=True)
 class Zero:
-    """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties from inputs that
-    other tests share, signed, by the input's name, in the unit of `found`."""
+    """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties
+    from inputs that other tests share, signed, by the input's name, in the unit of `found`."""
 
     found: Estimate
     shared: Mapping[str, float]
@@ -52,10 +62,9 @@ class Zero:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad) or "signs" (nothing
-    measured).
-    verdict: holds within U, undecided beyond, until the family of all tests says that it does not hold (judged);
-    tested: what it puts into that family."""
+    """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad)
+    or "signs" (nothing measured). verdict: holds within U, undecided beyond, until the family of
+    all tests says that it does not hold (judged); tested: what it puts into that family."""
 
     reference: str
     of: str
@@ -69,12 +78,23 @@ class Reference:
 
     def judged(self, limit: float) -> "Reference":
         """The same, that does not hold where a score is beyond the family's critical one."""
-        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
+        return (
+            replace(self, verdict=FAILS)
+            if any(test.score > limit for test in self.tested)
+            else self
+        )
 
     def row(self) -> ReferenceRow:
         """The report's entry."""
         return ReferenceRow(
-            self.reference, self.of, self.unit, self.value, self.expected, self.U, self.verdict, self.why
+            self.reference,
+            self.of,
+            self.unit,
+            self.value,
+            self.expected,
+            self.U,
+            self.verdict,
+            self.why,
         )
 
 
@@ -94,7 +114,9 @@ def sign_tests(results: Sequence[Result]) -> tuple[Zero, ...]:
 
 
 def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
-    """Score that all tests of a healthy rig stay within in 95 % of the sessions, and CHAIN_SHARE of the chain's do."""
+    """Score that all tests of a healthy rig stay within in 95 % of the sessions, and CHAIN_SHARE of
+    the chain's do.
+    """
     rng = np.random.default_rng(SEED)
     names = sorted({name for test in (*tests, *chain) for name in test.shared})
     inputs = np.ascontiguousarray(rng.standard_normal((DRAWS, len(names))).T)

@@ -1,10 +1,12 @@
-"""Null tests as angles: a bed that cannot slide must look like mass, whatever the box's own losses are.
+"""Null tests as angles: a bed that cannot slide must look like mass, whatever the box's own losses
+are.
 
-A phase error dphi between the channels adds (pi/w^2) M a^2 dphi to W, M the mass that moves; what rubs under that mass
-adds to it as M times the way. The box's own losses do not know M: they follow its way (rubbing), the mean of v^2
-(viscous) and of |v|^3 (quadratic). So all runs with the bed and of the empty box are one straight-line problem, each
-run with the motion and the mass that it measured itself: fillings differ by 1 % in mass, and the harmonics of the drive
-change what the box loses by more than the noise does. At least three levels of both are needed: two would be fitted
+A phase error dphi between the channels adds (pi/w^2) M a^2 dphi to W, M the mass that moves; what
+rubs under that mass adds to it as M times the way. The box's own losses do not know M: they follow
+its way (rubbing), the mean of v^2 (viscous) and of |v|^3 (quadratic). So all runs with the bed and
+of the empty box are one straight-line problem, each run with the motion and the mass that it
+measured itself: fillings differ by 1 % in mass, and the harmonics of the drive change what the box
+loses by more than the noise does. At least three levels of both are needed: two would be fitted
 exactly.
 """
 
@@ -22,7 +24,12 @@ from analysis.results.judged_rows import NullRow
 from analysis.results.run import RunEnergy
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
-from analysis.uncertainty.budget import ANGLE_RESOLUTION, angle_uncertainty, certificate_lines, combine
+from analysis.uncertainty.budget import (
+    ANGLE_RESOLUTION,
+    angle_uncertainty,
+    certificate_lines,
+    combine,
+)
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.partly_known_scatter import coefficient
 
@@ -36,10 +43,10 @@ SHARES = 0.0, 0.5, 0.9, 1.0  # of a scatter that grows as W, the rest as the lev
 
 @dataclass(frozen=True, slots=True)
 class NullTest:
-    """A null test: "locked" or "carried" bed, or "loop-back" (analysis.comparison.loop_back); levels: of the drive, of
-    a loop-back its runs; dphi in rad, None without a fit; gain: of a loop-back, relative. verdict: holds within U,
-    undecided beyond, until the family of all tests says that it does not hold (judged); tested: what it puts into that
-    family."""
+    """A null test: "locked" or "carried" bed, or "loop-back" (analysis.comparison.loop_back);
+    levels: of the drive, of a loop-back its runs; dphi in rad, None without a fit; gain: of a
+    loop-back, relative. verdict: holds within U, undecided beyond, until the family of all tests
+    says that it does not hold (judged); tested: what it puts into that family."""
 
     null: str
     bed_mass: float
@@ -53,7 +60,11 @@ class NullTest:
 
     def judged(self, limit: float) -> "NullTest":
         """The same, that does not hold where a score is beyond the family's critical one."""
-        return replace(self, verdict=FAILS) if any(test.score > limit for test in self.tested) else self
+        return (
+            replace(self, verdict=FAILS)
+            if any(test.score > limit for test in self.tested)
+            else self
+        )
 
     def row(self) -> NullRow:
         """The report's entry."""
@@ -74,13 +85,16 @@ class NullTest:
 
 
 def null_tests(
-    settings: Mapping[str, Setting], runs: Mapping[str, Sequence[RunEnergy]], channels: Mapping[str, ChannelFacts]
+    settings: Mapping[str, Setting],
+    runs: Mapping[str, Sequence[RunEnergy]],
+    channels: Mapping[str, ChannelFacts],
 ) -> tuple[NullTest, ...]:
-    """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency and place of the
-    instruments.
+    """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency
+    and place of the instruments.
 
-    settings, runs: by condition. Empty where no condition has a bed that cannot slide. Read through the stinger, none
-    is decided: it loses in proportion to the square of the force, which grows with the mass as an angle does.
+    settings, runs: by condition. Empty where no condition has a bed that cannot slide. Read through
+    the stinger, none is decided: it loses in proportion to the square of the force, which grows
+    with the mass as an angle does.
     """
     empty: dict[tuple[Any, ...], list[RunEnergy]] = defaultdict(list)
     bonded: dict[tuple[Any, ...], list[str]] = defaultdict(list)
@@ -93,7 +107,9 @@ def null_tests(
     return tuple(
         NullTest(kind, mass, at[0], len(names), None, "undecided", THROUGH_STINGER)
         if settings[names[0]].through_stinger
-        else _test(kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels)
+        else _test(
+            kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels
+        )
         for (kind, mass, *at), names in bonded.items()
     )
 
@@ -122,33 +138,43 @@ def _test(
     why = f"|angle| = {abs(dphi.value):.2g} rad is {side} U = {dphi.U:.2g} rad (k = {dphi.k:.2f})"
     shared = {
         line.source: line.part
-        for line in certificate_lines(channels["force"], channels["acceleration"], frequency, 0.0, 1.0)
+        for line in certificate_lines(
+            channels["force"], channels["acceleration"], frequency, 0.0, 1.0
+        )
     }
     verdict = "holds" if holds else "undecided"
-    return NullTest(kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Zero(dphi, shared),))
+    return NullTest(
+        kind, mass, frequency, len(levels), dphi, verdict, why, tested=(Zero(dphi, shared),)
+    )
 
 
 def _angle(runs: list[RunEnergy]) -> Estimate:
-    """dphi (rad) in W = dphi (pi/w^2) M a^2 + f M way + r way + p int v^2 dt + q int |v|^3 dt of all runs.
+    """dphi (rad) in W = dphi (pi/w^2) M a^2 + f M way + r way + p int v^2 dt + q int |v|^3 dt of
+    all runs.
 
-    Their scatter is the instruments' noise, and what else there is may grow as the level, as W, or between the two.
+    Their scatter is the instruments' noise, and what else there is may grow as the level, as W, or
+    between the two.
     """
     energies = [run.energy for run in runs]
     W, a, M, reactive = (
-        np.array([getattr(energy, name) for energy in energies]) for name in ("W", "level", "M_eff", "reactive")
+        np.array([getattr(energy, name) for energy in energies])
+        for name in ("W", "level", "M_eff", "reactive")
     )
     way, square, cube = np.array([_motion(energy) for energy in energies]).T
     noise = np.array([run.u_noise for run in runs])
     even, proportional = a**2 / np.mean(a**2), W**2 / np.mean(W**2)
     return coefficient(
-        np.stack([reactive, M * way, way, square, cube], axis=1), W, noise**2 + (ANGLE_RESOLUTION * reactive) ** 2,
-        [(1 - share) * even + share * proportional for share in SHARES], 0,
-    )  # fmt: skip
+        np.stack([reactive, M * way, way, square, cube], axis=1),
+        W,
+        noise**2 + (ANGLE_RESOLUTION * reactive) ** 2,
+        [(1 - share) * even + share * proportional for share in SHARES],
+        0,
+    )
 
 
 def _motion(energy: Energy) -> tuple[float, float, float]:
-    """Way of the box in a cycle (m), and the integrals of v^2 (m^2/s) and |v|^3 (m^3/s^2) over it, from the harmonics
-    that were measured."""
+    """Way of the box in a cycle (m), and the integrals of v^2 (m^2/s) and |v|^3 (m^3/s^2) over it,
+    from the harmonics that were measured."""
     most = min(energy.acceleration.size, POINTS // 2 - 1)
     omega = 2j * math.pi * energy.frequency * np.arange(1, most + 1)
     lines = np.zeros((2, POINTS // 2 + 1), dtype=complex)
@@ -157,4 +183,8 @@ def _motion(energy: Energy) -> tuple[float, float, float]:
     position, velocity = np.fft.irfft(lines * (POINTS / 2), POINTS)
     way = np.abs(np.diff(position, append=position[0])).sum()
     speed = np.abs(velocity)
-    return float(way), float((speed**2).mean() / energy.frequency), float((speed**3).mean() / energy.frequency)
+    return (
+        float(way),
+        float((speed**2).mean() / energy.frequency),
+        float((speed**3).mean() / energy.frequency),
+    )

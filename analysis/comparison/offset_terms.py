@@ -1,14 +1,17 @@
-"""Where an offset comes from: W_exp - W_T of a simulated session, term by term, as fractions of W_T.
+"""Where an offset comes from: W_exp - W_T of a simulated session, term by term, as fractions of
+W_T.
 
-W_exp is taken apart along its way. The bed takes E_bed, the box's losses take noise, air, gas and mount: their sum E is
-what the gauge should read. The instruments make g (E cos d - R sin d) of it, R = (pi/w^2) M_eff a^2: g is the product
-of the true scales (1 + s_F)(1 + s_a) of force and acceleration and of the clock's (1 + e)^2, d the angle that the
-correction by certified poles leaves. W_T in turn is read at the measured acceleration, (1 + s_a) times the true one:
+W_exp is taken apart along its way. The bed takes E_bed, the box's losses take noise, air, gas and
+mount: their sum E is what the gauge should read. The instruments make g (E cos d - R sin d) of it,
+R = (pi/w^2) M_eff a^2: g is the product of the true scales (1 + s_F)(1 + s_a) of force and
+acceleration and of the clock's (1 + e)^2, d the angle that the correction by certified poles
+leaves. W_T in turn is read at the measured acceleration, (1 + s_a) times the true one:
 
-    waveform + refill = E_bed - W_T(true a)         scale = (g - 1) E - (W_T(measured a) - W_T(true a))
-    phase = g (E (cos d - 1) - R sin d)             remainder = W_exp - g (E cos d - R sin d)
+    waveform + refill = E_bed - W_T(true a)         scale = (g - 1) E - (W_T(measured a) - W_T(true
+    a)) phase = g (E (cos d - 1) - R sin d)             remainder = W_exp - g (E cos d - R sin d)
 
-They add up to W_exp - W_T by construction; the remainder is what was not accounted for, and is tested.
+They add up to W_exp - W_T by construction; the remainder is what was not accounted for, and is
+tested.
 """
 
 import cmath
@@ -36,13 +39,17 @@ IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
 
 @dataclass(frozen=True)
 class Actual:
-    """What only a simulated session knows of its instruments: their states, and the clock's relative error."""
+    """What only a simulated session knows of its instruments: their states, and the clock's
+    relative error.
+    """
 
     states: TrueInstruments
     clock: float
 
     def response(self, channel: ChannelFacts, omega: float) -> complex:
-        """Corrected reading over true value at omega (rad/s): true scale, angle left by the certified pole."""
+        """Corrected reading over true value at omega (rad/s): true scale, angle left by the
+        certified pole.
+        """
         state: TrueState = getattr(self.states, channel.name)
         scale = state.sensitivity * state.gain / channel.sensitivity
         true, certified = state.time_constant, channel.time_constant
@@ -55,17 +62,25 @@ def actual_of(truth: Truth | None) -> Actual | None:
     """The actual instruments of a session; None without truth or where it does not say."""
     if truth is None:
         return None
-    states, clock = truth_as(TrueInstruments, "instruments", truth), truth_as(TrueClock, "clock", truth)
+    states, clock = (
+        truth_as(TrueInstruments, "instruments", truth),
+        truth_as(TrueClock, "clock", truth),
+    )
     return None if states is None or clock is None else Actual(states, clock.error)
 
 
 def offset_terms(
-    result: Result, entry: PredictionEntry | None, channels: Mapping[str, ChannelFacts], actual: Actual | None
+    result: Result,
+    entry: PredictionEntry | None,
+    channels: Mapping[str, ChannelFacts],
+    actual: Actual | None,
 ) -> OffsetTerms | None:
-    """The terms of a condition as fractions of W_T, adding up to its offset; None without truth or without an offset.
+    """The terms of a condition as fractions of W_T, adding up to its offset; None without truth or
+    without an offset.
 
-    entry: of the prediction document. Without an ablation in the ledger the waveform's effect on the bed beyond its
-    level stays inside `refill`. `refill` also holds the prediction's numerics and what had not settled.
+    entry: of the prediction document. Without an ablation in the ledger the waveform's effect on
+    the bed beyond its level stays inside `refill`. `refill` also holds the prediction's numerics
+    and what had not settled.
     """
     if actual is None or entry is None or result.W_T is None or not result.comparable:
         return None
@@ -75,27 +90,36 @@ def offset_terms(
     if len(known) < len(runs):
         return None
     W_T, n = result.W_T.value, len(known)
-    return OffsetTerms(**{name: math.fsum(getattr(terms, name) for terms in known) / n / W_T for name in TERMS})
+    return OffsetTerms(
+        **{name: math.fsum(getattr(terms, name) for terms in known) / n / W_T for name in TERMS}
+    )
 
 
 def allowed_remainder(result: Result) -> float | None:
-    """Largest remainder of a condition, as a fraction of W_T, that leaves nothing to explain: `LARGEST_REMAINDER`, or
-    where W_T is small the instruments' noise and the arithmetic (k = 2). None without W_T."""
+    """Largest remainder of a condition, as a fraction of W_T, that leaves nothing to explain:
+    `LARGEST_REMAINDER`, or where W_T is small the instruments' noise and the arithmetic (k = 2).
+    None without W_T."""
     if result.W_T is None or not result.W_T.value > 0:
         return None
     n = len(result.runs)
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in result.runs)) / n
-    resolution = [line.part for line in resolution_lines(result.W_exp.value, result.mean("reactive"))]
+    resolution = [
+        line.part for line in resolution_lines(result.W_exp.value, result.mean("reactive"))
+    ]
     return max(LARGEST_REMAINDER, 2 * math.hypot(noise, *resolution) / result.W_T.value)
 
 
-def _of_run(run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual) -> OffsetTerms | None:
+def _of_run(
+    run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual
+) -> OffsetTerms | None:
     """The terms of one run, J per cycle; None without its ledger."""
     if run.ledger is None:
         return None
     energy, ledger = run.energy, run.ledger
     omega = 2 * math.pi * energy.frequency
-    force, acceleration = (actual.response(channels[name], omega) for name in ("force", "acceleration"))
+    force, acceleration = (
+        actual.response(channels[name], omega) for name in ("force", "acceleration")
+    )
     both = force * acceleration.conjugate()
     gain, turn = abs(both) * (1 + actual.clock) ** 2, cmath.phase(both)
     box = {name: ledger.get(column, 0.0) for name, column in BOX.items()}
@@ -121,8 +145,8 @@ def _tau(corner: float | None) -> float | None:
 
 
 def _exact(run: RunEnergy, bed: float, measured: float) -> float:
-    """What the bed would have taken on a sine, J per cycle: from an ablation, or its own energy less what the recorded
-    waveform adds to the nominal bed's; with neither, its own energy."""
+    """What the bed would have taken on a sine, J per cycle: from an ablation, or its own energy
+    less what the recorded waveform adds to the nominal bed's; with neither, its own energy."""
     ablated = (run.ledger or {}).get(EXACT, math.nan)
     if math.isfinite(ablated):
         return ablated
@@ -130,4 +154,8 @@ def _exact(run: RunEnergy, bed: float, measured: float) -> float:
 
 
 def _high_pass(omega: float, time_constant: float | None) -> complex:
-    return 1.0 if time_constant is None else 1j * omega * time_constant / (1 + 1j * omega * time_constant)
+    return (
+        1.0
+        if time_constant is None
+        else 1j * omega * time_constant / (1 + 1j * omega * time_constant)
+    )

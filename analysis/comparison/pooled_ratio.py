@@ -26,7 +26,9 @@ UNLIKELY = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """Straight line through W_exp against W_T. slope: 1; intercept: J per cycle; chi2 of dof degrees of freedom."""
+    """Straight line through W_exp against W_T. slope: 1; intercept: J per cycle; chi2 of dof
+    degrees of freedom.
+    """
 
     slope: Estimate
     intercept: Estimate
@@ -35,11 +37,15 @@ class Fit:
 
     @property
     def is_likely(self) -> bool:
-        """Whether a true line would show a chi^2 as large as this in at least UNLIKELY of all cases."""
+        """Whether a true line would show a chi^2 as large as this in at least UNLIKELY of all
+        cases.
+        """
         return self.dof == 0 or float(chdtrc(self.dof, self.chi2)) >= UNLIKELY
 
     def row(self) -> LineRow:
-        """Return the report's entry; where no line is likely, chi^2 alone: its numbers would state a U they lack."""
+        """Return the report's entry; where no line is likely, chi^2 alone: its numbers would state
+        a U they lack.
+        """
         if not self.is_likely:
             return LineRow(None, None, None, None, self.chi2, self.dof)
         slope, intercept = self.slope, self.intercept
@@ -69,8 +75,9 @@ def recorded_ratio(results: Sequence[Result]) -> Estimate | None:
 def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, float]]) -> Estimate:
     """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
 
-    Lines of a source that is shared between conditions add with their signs; the others add in quadrature, and so does
-    the scatter between a condition's runs, of the very combination that is asked for.
+    Lines of a source that is shared between conditions add with their signs; the others add in
+    quadrature, and so does the scatter between a condition's runs, of the very combination that is
+    asked for.
     """
     shared: dict[str, float] = defaultdict(float)
     nu: dict[str, float] = {}
@@ -84,13 +91,15 @@ def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, f
 
 
 def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
-    """Line through W_exp against W_T of conditions, errors in both, common calibration kept common; through the origin
-    where asked for. None for fewer than two conditions (and a point more than parameters), or one W_T in all of them.
+    """Line through W_exp against W_T of conditions, errors in both, common calibration kept common;
+    through the origin where asked for. None for fewer than two conditions (and a point more than
+    parameters), or one W_T in all of them.
 
-    The covariance weighs the points; the uncertainty is that of the budget, propagated through the fit. Scatter is
-    pooled over the conditions as a relative one: a weight from four runs of its own would be noise. Parts of W_exp are
-    taken at the ratio of the energies and not at each W_exp, which would give points that came out low more weight and
-    pull the slope down (Peelle's puzzle; D'Agostini, Nucl. Instrum. Methods A 346, 306 (1994)).
+    The covariance weighs the points; the uncertainty is that of the budget, propagated through the
+    fit. Scatter is pooled over the conditions as a relative one: a weight from four runs of its own
+    would be noise. Parts of W_exp are taken at the ratio of the energies and not at each W_exp,
+    which would give points that came out low more weight and pull the slope down (Peelle's puzzle;
+    D'Agostini, Nucl. Instrum. Methods A 346, 306 (1994)).
     """
     told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
     if len(told) < (2 if origin else 3):
@@ -100,7 +109,11 @@ def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
         return None
     try:
         found = fitted(x, y, _errors([r for r, _ in told], x, y), origin)
-    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # points so far from a line that the search runs away
+    except (
+        ValueError,
+        ArithmeticError,
+        np.linalg.LinAlgError,
+    ):  # points so far from a line that the search runs away
         return None
     rows = list(zip((r for r, _ in told), found.to_y, found.offset_to_y, strict=True))
     return Fit(
@@ -134,7 +147,9 @@ def _errors(results: Sequence[Result], x: Array, y: Array) -> Errors:
 
 
 def _pooled(results: Sequence[Result]) -> Array:
-    """Covariance of a run's (W_T, W_exp), relative to their means, pooled over conditions; zeros for single runs."""
+    """Covariance of a run's (W_T, W_exp), relative to their means, pooled over conditions; zeros
+    for single runs.
+    """
     total, nu = np.zeros((2, 2)), 0
     for result in results:
         pairs = np.array(result.pairs)[:, ::-1]

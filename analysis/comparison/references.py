@@ -1,11 +1,12 @@
 """References: what is known without a model must be measured as it is known.
 
-Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase is the null test's);
-where the acceleration is read at the stinger's other end, once the stinger is taken off.
-Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Phase: where the rig's own ledger is known, W_exp of
-rigid masses differs from it by one scale and one angle. A light box whose losses exceed its inertia hides milliradians
-in a W that is known to 1.6 %, and in a null of few runs, but not in how W_exp differs from level to level.
-Signs: masses and energies are positive, force and acceleration of the size that was set.
+Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase
+is the null test's); where the acceleration is read at the stinger's other end, once the stinger is
+taken off. Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Phase: where the
+rig's own ledger is known, W_exp of rigid masses differs from it by one scale and one angle. A light
+box whose losses exceed its inertia hides milliradians in a W that is known to 1.6 %, and in a null
+of few runs, but not in how W_exp differs from level to level. Signs: masses and energies are
+positive, force and acceleration of the size that was set.
 """
 
 import math
@@ -40,7 +41,9 @@ REVERSED = "a sign is reversed: the apparent mass is negative"
 NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is negative"
 
 
-def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> tuple[Reference, ...]:
+def references(
+    results: Sequence[Result], channels: Mapping[str, ChannelFacts]
+) -> tuple[Reference, ...]:
     """All references that the conditions allow, but the signs."""
     rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     damped: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
@@ -51,7 +54,11 @@ def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
         if known and (setting.is_empty or setting.is_bonded):
             of = "empty box" if setting.is_empty else "bonded bed"
             rigid[of, setting.bed_mass, setting.frequency, *setting.places].append(result)
-        elif setting.bed == "dashpot" and setting.dashpot_c is not None and not setting.through_stinger:
+        elif (
+            setting.bed == "dashpot"
+            and setting.dashpot_c is not None
+            and not setting.through_stinger
+        ):
             damped[setting.dashpot_c, setting.frequency, *setting.places].append(result)
     return (
         *(_mass(of, found, channels) for (of, *_), found in rigid.items() if _told(found)),
@@ -61,25 +68,34 @@ def references(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
 
 
 def _rigid_with_ledger(results: Sequence[Result]) -> Iterable[list[Result]]:
-    """Conditions in which nothing slides and whose losses are known, by frequency and place of the instruments."""
+    """Conditions in which nothing slides and whose losses are known, by frequency and place of the
+    instruments.
+    """
     groups: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     for result in results:
         setting = result.setting
-        if result.chain is not None and (setting.is_empty or setting.is_bonded) and not setting.through_stinger:
+        if (
+            result.chain is not None
+            and (setting.is_empty or setting.is_bonded)
+            and not setting.through_stinger
+        ):
             groups[setting.frequency, *setting.places].append(result)
     return groups.values()
 
 
 def _phase(results: Sequence[Result]) -> Reference:
-    """The angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at least two conditions.
+    """The angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at least two
+    conditions.
 
-    Generalised least squares: the scales, and what else the certificates leave, are errors that all conditions share;
-    noise and arithmetic are each condition's own. Where W/R is the same in all, angle and scale cannot be told apart,
-    and u says so.
+    Generalised least squares: the scales, and what else the certificates leave, are errors that all
+    conditions share; noise and arithmetic are each condition's own. Where W/R is the same in all,
+    angle and scale cannot be told apart, and u says so.
     """
     apart = np.array([result.chain.value for result in results if result.chain is not None])
     W, R = (np.array([result.mean(name) for result in results]) for name in ("W", "reactive"))
-    noise = [math.hypot(*(run.u_noise for run in result.runs)) / len(result.runs) for result in results]
+    noise = [
+        math.hypot(*(run.u_noise for run in result.runs)) / len(result.runs) for result in results
+    ]
     covariance = np.diag(np.square(noise) + (RESOLUTION * W) ** 2 + (ANGLE_RESOLUTION * R) ** 2)
     scales: dict[str, NDArray[np.float64]] = defaultdict(lambda: np.zeros(len(results)))
     angles: dict[str, tuple[float, float]] = {}
@@ -94,7 +110,16 @@ def _phase(results: Sequence[Result]) -> Reference:
     u = combine(angle, [(fitted, math.inf), *angles.values()])
     shared = {source: part for source, (part, _) in angles.items()}
     of = f"rigid, {results[0].setting.frequency:g} Hz"
-    return _held("phase", of, "rad", angle, 0.0, u, f" (W_exp against the ledger of {len(results)} conditions)", shared)
+    return _held(
+        "phase",
+        of,
+        "rad",
+        angle,
+        0.0,
+        u,
+        f" (W_exp against the ledger of {len(results)} conditions)",
+        shared,
+    )
 
 
 def _level(setting: Setting) -> tuple[Any, ...]:
@@ -104,7 +129,9 @@ def _level(setting: Setting) -> tuple[Any, ...]:
 
 def _told(results: Sequence[Result]) -> bool:
     """Whether the readings tell of the box: not behind a stinger of which nothing is known."""
-    return not results[0].setting.through_stinger or all(r.at_box is not None for each in results for r in each.runs)
+    return not results[0].setting.through_stinger or all(
+        r.at_box is not None for each in results for r in each.runs
+    )
 
 
 def _held(
@@ -122,11 +149,14 @@ def _held(
 def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
     setting = results[0].setting
     runs = [run for result in results for run in result.runs]
-    at_box = [run.at_box for run in runs if run.at_box is not None] if setting.through_stinger else []
+    at_box = (
+        [run.at_box for run in runs if run.at_box is not None] if setting.through_stinger else []
+    )
     masses = [one.M_eff for one in at_box] or [run.energy.M_eff for run in runs]
     mean = math.fsum(masses) / len(masses)
     force, acceleration = channels["force"], channels["acceleration"]
-    # M = Re F/A: it goes with the ratio of the channels, and where losses are large with the angle between them too.
+    # M = Re F/A: it goes with the ratio of the channels, and where losses are large with the angle
+    # between them too.
     eta = math.fsum(run.energy.eta for run in runs) / len(runs)
     lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0)
     scales = {
@@ -137,12 +167,25 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
     expected, where = setting.box_mass + setting.gauge_mass + setting.bed_mass, ""
     if at_box:
         expected, where = expected - setting.gauge_mass, ", brought to the box"
-        scales["stinger stiffness"] = math.fsum(one.M_stiffness for one in at_box) / len(at_box), CERTIFICATE_NU
+        scales["stinger stiffness"] = (
+            math.fsum(one.M_stiffness for one in at_box) / len(at_box),
+            CERTIFICATE_NU,
+        )
     scatter = [(line.part, line.nu) for line in scatter_line(masses)]
     bent = math.fsum(abs(run.energy.eta) * _bending(run) for run in runs) / len(runs) * mean
-    u = combine(mean, [*scales.values(), *scatter, (RESOLUTION * mean, math.inf), (bent / math.sqrt(3), math.inf)])
+    u = combine(
+        mean,
+        [
+            *scales.values(),
+            *scatter,
+            (RESOLUTION * mean, math.inf),
+            (bent / math.sqrt(3), math.inf),
+        ],
+    )
     shared = {source: part for source, (part, _) in scales.items()}
-    found = _held("rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs{where})", shared)
+    found = _held(
+        "rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs{where})", shared
+    )
     # One filling does not tell how fillings differ in mass: it may be beyond U, and fails nothing.
     return replace(found, tested=()) if setting.is_bonded and len(masses) == 1 else found
 
@@ -150,12 +193,17 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
 def _bending(run: RunEnergy) -> float:
     """Return the fraction of a loss that a distorted motion may turn into what looks like mass.
 
-    A force k v|v| on v = V (cos t + e cos(3t + p)) has at most 0.6 e of its fundamental a quarter of a cycle away,
-    other harmonics less, and a force k v nothing. e is taken from all harmonics of the velocity.
+    A force k v|v| on v = V (cos t + e cos(3t + p)) has at most 0.6 e of its fundamental a quarter
+    of a cycle away, other harmonics less, and a force k v nothing. e is taken from all harmonics of
+    the velocity.
     """
     a = np.abs(run.energy.acceleration)
     velocity = a / np.arange(1, a.size + 1)
-    return float(0.6 * np.linalg.norm(velocity[1:]) / velocity[0]) if a.size > 1 and velocity[0] else 0.0
+    return (
+        float(0.6 * np.linalg.norm(velocity[1:]) / velocity[0])
+        if a.size > 1 and velocity[0]
+        else 0.0
+    )
 
 
 def _dashpot(
@@ -171,17 +219,30 @@ def _dashpot(
     squares = [math.fsum(run.energy.level**2 for run in r.runs) / len(r.runs) for r in results]
     expected = math.fsum(math.pi * c * square / omega**3 for square in squares) / n
     own = math.fsum(_less(r, tare, "W") for r, tare in zip(results, tares, strict=True)) / n
-    reactive = math.fsum(_less(r, tare, "reactive") for r, tare in zip(results, tares, strict=True)) / n
+    reactive = (
+        math.fsum(_less(r, tare, "reactive") for r, tare in zip(results, tares, strict=True)) / n
+    )
     lines = (
-        *certificate_lines(channels["force"], channels["acceleration"], frequency, own, reactive, expected, 2.0),
+        *certificate_lines(
+            channels["force"], channels["acceleration"], frequency, own, reactive, expected, 2.0
+        ),
         *resolution_lines(own, reactive),
     )
-    scatter = [line for r in (*results, *known) for line in scatter_line([run.energy.W for run in r.runs])]
+    scatter = [
+        line for r in (*results, *known) for line in scatter_line([run.energy.W for run in r.runs])
+    ]
     u = combine(
         own - expected,
-        [*((line.part - line.part_T, line.nu) for line in lines), *((line.part / n, line.nu) for line in scatter)],
+        [
+            *((line.part - line.part_T, line.nu) for line in lines),
+            *((line.part / n, line.nu) for line in scatter),
+        ],
     )
-    note = "; the empty box's is taken off" if whole else "; no empty box was measured at every one of its levels"
+    note = (
+        "; the empty box's is taken off"
+        if whole
+        else "; no empty box was measured at every one of its levels"
+    )
     shared = {line.source: line.part - line.part_T for line in lines}
     found = _held("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note, shared)
     return found if whole else replace(found, tested=())  # without: the box's own losses are in it
@@ -190,15 +251,25 @@ def _dashpot(
 def _less(result: Result, tare: Result | None, name: str) -> float:
     """Mean of an energy less the empty box's, brought to the same level by a^2."""
     own = result.mean(name)
-    return own if tare is None else own - tare.mean(name) * (result.mean("level") / tare.mean("level")) ** 2
+    return (
+        own
+        if tare is None
+        else own - tare.mean(name) * (result.mean("level") / tare.mean("level")) ** 2
+    )
 
 
 def signs(results: Sequence[Result], limit: float) -> Reference:
-    """The signs of at least one condition; limit: critical score of the family, for energies below zero."""
+    """The signs of at least one condition; limit: critical score of the family, for energies below
+    zero.
+    """
     runs = [(run, result.setting) for result in results for run in result.runs]
     swapped = [run.run for run, setting in runs if _swapped(run, setting)]
     negative = [run.run for run, _ in runs if run.energy.M_eff < 0]
-    late = [r.setting.id for r, test in zip(results, sign_tests(results), strict=True) if test.score > limit]
+    late = [
+        r.setting.id
+        for r, test in zip(results, sign_tests(results), strict=True)
+        if test.score > limit
+    ]
     why = "masses and energies are positive, force and acceleration of the size that was set"
     verdict = "does not hold" if swapped or negative or late else "holds"
     if swapped:

@@ -1,8 +1,9 @@
-"""What the report says of refills: what they take beside the nominal bed, their skew, and where that is large how often
-the stated intervals hold, found with the prediction's own refills.
+"""What the report says of refills: what they take beside the nominal bed, their skew, and where
+that is large how often the stated intervals hold, found with the prediction's own refills.
 
-U of a skewed scatter is stretched until its share holds (`analysis.uncertainty.skewed_scatter`), beside certificates
-and for the refills that were predicted; what it holds is computed anew for the condition's own budget, and printed.
+U of a skewed scatter is stretched until its share holds (`analysis.uncertainty.skewed_scatter`),
+beside certificates and for the refills that were predicted; what it holds is computed anew for the
+condition's own budget, and printed.
 """
 
 import math
@@ -18,12 +19,23 @@ from analysis.uncertainty.budget import CERTIFICATE_NU
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.skewed_scatter import SEED, sessions_of, skew, stretch
 
-__all__ = ["SKEWED", "TRIED", "WANTED", "Coverage", "RefillsTold", "coverage", "held", "refills_row"]
+__all__ = [
+    "SKEWED",
+    "TRIED",
+    "WANTED",
+    "Coverage",
+    "RefillsTold",
+    "coverage",
+    "held",
+    "refills_row",
+]
 
 Array = NDArray[np.float64]
 
 SKEWED = 0.75
-"""Least skew for which the report states the coverage; the skew of some hundred refills is known to 0.25."""
+"""Least skew for which the report states the coverage; the skew of some hundred refills is known to
+0.25.
+"""
 
 WANTED = 0.93
 TRIED = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)  # refills
@@ -32,9 +44,9 @@ SESSIONS = 4000  # drawn: a coverage of 93 % is good to 0.4 %
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Shares of the intervals for 95 % that hold the mean of all refills, with as many as there are: as stated, and of
-    Student's t as it is. needed: fewest refills with which WANTED of the latter do (as many as there are where that is
-    enough), None where none of TRIED is."""
+    """Shares of the intervals for 95 % that hold the mean of all refills, with as many as there
+    are: as stated, and of Student's t as it is. needed: fewest refills with which WANTED of the
+    latter do (as many as there are where that is enough), None where none of TRIED is."""
 
     share: float
     plain: float
@@ -43,8 +55,9 @@ class Coverage:
 
 @dataclass(frozen=True, slots=True)
 class RefillsTold:
-    """What the report says of a condition's refills: what they take beyond the nominal bed in the mean, relative; their
-    skew; where that is large the coverage as stated and of Student's t, and the refills needed for that."""
+    """What the report says of a condition's refills: what they take beyond the nominal bed in the
+    mean, relative; their skew; where that is large the coverage as stated and of Student's t, and
+    the refills needed for that."""
 
     refill_mean: float | None
     refill_skew: float | None
@@ -72,7 +85,10 @@ def coverage(result: Result) -> Coverage | None:
     if result.W_T is None or not result.W_exp.value > 0:
         return None
     poured = np.array(result.refills) * result.W_T.value / result.W_exp.value
-    certified = math.sqrt(math.fsum(line.part**2 for line in result.lines if line.shared)) / result.W_exp.value
+    certified = (
+        math.sqrt(math.fsum(line.part**2 for line in result.lines if line.shared))
+        / result.W_exp.value
+    )
     n = len(result.runs)
     share, plain = held(poured, certified, n, (stretch(result.refills, n), 1.0))
     needed = n if plain >= WANTED else None
@@ -82,11 +98,13 @@ def coverage(result: Result) -> Coverage | None:
     return Coverage(share, plain, needed)
 
 
-def held(poured: Array, certified: float, n: int, factors: Sequence[float] = (1.0,)) -> tuple[float, ...]:
+def held(
+    poured: Array, certified: float, n: int, factors: Sequence[float] = (1.0,)
+) -> tuple[float, ...]:
     """Return the shares of sessions of n refills whose U of W_exp holds the mean.
 
-    poured: energies that refills are drawn from, over W_exp; certified: relative standard uncertainty of the
-    instruments; factors: on the scatter between refills, a share for each.
+    poured: energies that refills are drawn from, over W_exp; certified: relative standard
+    uncertainty of the instruments; factors: on the scatter between refills, a share for each.
     """
     error, scatter = sessions_of(poured, n, SESSIONS)
     error = np.abs(error + certified * _certificates())

@@ -1,8 +1,9 @@
 """Three comparisons that answer different questions, never mixed: chain, prediction, model.
 
-chain: W_exp against the simulation's own ledger; tests the instruments and the analysis. prediction: against W_T as the
-model gives it, uncertain by level and numerics. model: against W_T as uncertain as what nobody measured makes it; only
-where the record does not come from the model itself.
+chain: W_exp against the simulation's own ledger; tests the instruments and the analysis.
+prediction: against W_T as the model gives it, uncertain by level and numerics. model: against W_T
+as uncertain as what nobody measured makes it; only where the record does not come from the model
+itself.
 """
 
 import math
@@ -31,7 +32,9 @@ class ModelTold:
 
 
 def model_row(result: Result) -> ModelTold:
-    """What the report says of a condition against W_T as uncertain as what nobody measured makes it."""
+    """What the report says of a condition against W_T as uncertain as what nobody measured makes
+    it.
+    """
     if result.W_T is None or result.difference is None or not result.model:
         return ModelTold()
     low, high = (result.W_T.value * float(q) for q in np.quantile(result.model, INSIDE))
@@ -40,25 +43,32 @@ def model_row(result: Result) -> ModelTold:
 
 
 def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
-    """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was not made or what it
-    cannot tell."""
+    """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was
+    not made or what it cannot tell."""
     scored = [(result, model_row(result).E_n_model) for result in results]
     model = [(result, E) for result, E in scored if E is not None]
     none = "" if results else "no run states an energy"
     last = _entry(
-        "model", "W_T with friction, restitution and play as uncertain as they are", [E for _, E in model],
+        "model",
+        "W_T with friction, restitution and clearance as uncertain as they are",
+        [E for _, E in model],
         none or "the record comes from the model itself, or no spread of W_T was given",
-    )  # fmt: skip
+    )
     return (
         _entry(
-            "chain", "the rig's own ledger", _scores([r.chain for r in results]), none or "the record holds no truth"
+            "chain",
+            "the rig's own ledger",
+            _scores([r.chain for r in results]),
+            none or "the record holds no truth",
         ),
         _entry(
-            "prediction", "W_T as predicted", _scores([r.difference for r in results if r.comparable]),
+            "prediction",
+            "W_T as predicted",
+            _scores([r.difference for r in results if r.comparable]),
             none or "nothing is predicted that stands out of the detection limit",
         ),
         replace(last, why=_telling([result for result, _ in model])) if model else last,
-    )  # fmt: skip
+    )
 
 
 def _scores(differences: Sequence[Estimate | None]) -> list[float]:
@@ -73,7 +83,9 @@ def _entry(name: str, against: str, scores: Sequence[float], why: str) -> Compar
 
 
 def _telling(results: Sequence[Result]) -> str:
-    """Which offset the model comparison could tell; a draw of the parameters is the same in all conditions."""
+    """Which offset the model comparison could tell; a draw of the parameters is the same in all
+    conditions.
+    """
     W_T = np.array([result.W_T.value for result in results if result.W_T is not None])
     total = W_T @ np.array([result.model for result in results]) / W_T.sum()
     low, high = (float(q) - 1 for q in np.quantile(total, INSIDE))

@@ -1,8 +1,10 @@
-"""Two sessions compared: the same settings with another bed, another drive, or a simulation beside a measurement.
+"""Two sessions compared: the same settings with another bed, another drive, or a simulation beside
+a measurement.
 
-W_B - W_A of conditions with equal settings, with U from both budgets. What the instruments of a session do wrong is
-common to its conditions; where both sessions used the same instruments it is common to both, and only the difference of
-their sensitivities counts. Levels are not corrected: what they differ by counts as an uncertainty (rectangular).
+W_B - W_A of conditions with equal settings, with U from both budgets. What the instruments of a
+session do wrong is common to its conditions; where both sessions used the same instruments it is
+common to both, and only the difference of their sensitivities counts. Levels are not corrected:
+what they differ by counts as an uncertainty (rectangular).
 """
 
 import math
@@ -40,10 +42,13 @@ Pair = tuple[ConditionRow, ConditionRow]
 """A condition of A and its match in B."""
 
 
-def compare(a: Report, b: Report, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")) -> Comparison:
+def compare(
+    a: Report, b: Report, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")
+) -> Comparison:
     """The comparison of two reports; energies in J per cycle, `difference` B less A.
 
-    same_instruments: their errors are common to both sessions. folders: what names sessions of one protocol.
+    same_instruments: their errors are common to both sessions. folders: what names sessions of one
+    protocol.
     """
     one_name = a.protocol == b.protocol
     pairs, alone = matched(a.conditions, b.conditions)
@@ -51,10 +56,16 @@ def compare(a: Report, b: Report, same_instruments: bool = False, folders: tuple
     adjusted = holm([row.p for row in rows])
     return Comparison(
         schema=SCHEMA,
-        sessions=(_session(a, folders[0] if one_name else ""), _session(b, folders[1] if one_name else "")),
+        sessions=(
+            _session(a, folders[0] if one_name else ""),
+            _session(b, folders[1] if one_name else ""),
+        ),
         matched_by=MATCHED_BY,
         same_instruments=same_instruments,
-        pairs=tuple(replace(row, p_holm=p, significant=p <= LEVEL) for row, p in zip(rows, adjusted, strict=True)),
+        pairs=tuple(
+            replace(row, p_holm=p, significant=p <= LEVEL)
+            for row, p in zip(rows, adjusted, strict=True)
+        ),
         alone=tuple(alone),
         overall=_overall(pairs, same_instruments),
         ranks=_ranks(pairs),
@@ -65,17 +76,24 @@ def _session(report: Report, folder: str) -> ComparedSession:
     rows, protocol = report.conditions, report.protocol
     return ComparedSession(
         name=f"{protocol} ({folder})" if protocol and folder else protocol or folder or "session",
-        protocol=protocol, synthetic=report.synthetic, verdict=report.verdict,
-        beds=tuple(sorted({row.bed for row in rows})), drives=tuple(sorted({row.drive for row in rows})),
-        conditions=len(rows), ratio=report.agreement.ratio, U_ratio=report.agreement.U_ratio,
-    )  # fmt: skip
+        protocol=protocol,
+        synthetic=report.synthetic,
+        verdict=report.verdict,
+        beds=tuple(sorted({row.bed for row in rows})),
+        drives=tuple(sorted({row.drive for row in rows})),
+        conditions=len(rows),
+        ratio=report.agreement.ratio,
+        U_ratio=report.agreement.U_ratio,
+    )
 
 
-def matched(a: Sequence[ConditionRow], b: Sequence[ConditionRow]) -> tuple[list[Pair], list[Unmatched]]:
-    """Pairs of conditions with equal settings (what one of them does not know is no difference) and levels at most
-    FARTHEST apart, each used once, and the others with the reason. The same bed goes first, then the same drive; the
-    level that was set goes before the nearest one that was reached. What only settings that one side does not know
-    would tell apart is not matched."""
+def matched(
+    a: Sequence[ConditionRow], b: Sequence[ConditionRow]
+) -> tuple[list[Pair], list[Unmatched]]:
+    """Pairs of conditions with equal settings (what one of them does not know is no difference) and
+    levels at most FARTHEST apart, each used once, and the others with the reason. The same bed goes
+    first, then the same drive; the level that was set goes before the nearest one that was reached.
+    What only settings that one side does not know would tell apart is not matched."""
     alike = [(row, other) for row in a for other in b if not _differ(row, other)]
     found: dict[str, ConditionRow] = {}
     for places in (("bed", "drive"), ("bed",), ()):
@@ -92,7 +110,10 @@ def matched(a: Sequence[ConditionRow], b: Sequence[ConditionRow]) -> tuple[list[
     used = {other.id for _, other in pairs}
     alone = [
         Unmatched(name, row.id, _why(row, others, to))
-        for name, rows, others, to, taken in (("A", a, b, "B", found.keys()), ("B", b, a, "A", used))
+        for name, rows, others, to, taken in (
+            ("A", a, b, "B", found.keys()),
+            ("B", b, a, "A", used),
+        )
         for row in rows
         if row.id not in taken
     ]
@@ -100,7 +121,9 @@ def matched(a: Sequence[ConditionRow], b: Sequence[ConditionRow]) -> tuple[list[
 
 
 def _nearest(links: Sequence[Pair]) -> dict[str, ConditionRow]:
-    """Conditions of B by ids of A: of possible pairs the nearest levels first, where only the level tells."""
+    """Conditions of B by ids of A: of possible pairs the nearest levels first, where only the level
+    tells.
+    """
     others_of, rows_of = defaultdict(list), defaultdict(list)
     for row, other in links:
         others_of[row.id].append(other)
@@ -131,7 +154,10 @@ def _why(row: ConditionRow, others: Sequence[ConditionRow], to: str) -> str:
         return f"not told apart, or matched with a nearer level: {to} has {', '.join(several)}"
     if not others:
         return f"{to} has no condition"
-    near = min(others, key=lambda other: (len(set(_differ(row, other)) & {*SETTINGS}), abs(_levels(row, other))))
+    near = min(
+        others,
+        key=lambda other: (len(set(_differ(row, other)) & {*SETTINGS}), abs(_levels(row, other))),
+    )
     fields = _differ(row, near)
     if fields == ["acceleration"]:
         return f"the levels reached are {100 * abs(_levels(row, near)):.2g} % apart ({near.id} of {to})"
@@ -145,11 +171,15 @@ def _told(row: ConditionRow, name: str) -> str:
 
 
 def _differ(one: ConditionRow, other: ConditionRow) -> list[str]:
-    """Names of what two conditions have not in common. A level that was measured, and not set, counts as reached."""
+    """Names of what two conditions have not in common. A level that was measured, and not set,
+    counts as reached.
+    """
     names = [
         name
         for name in SETTINGS
-        if not _equal(getattr(one, name), getattr(other, name), FREQUENCY if name == "frequency" else EQUAL)
+        if not _equal(
+            getattr(one, name), getattr(other, name), FREQUENCY if name == "frequency" else EQUAL
+        )
     ]
     was_set = "measured" not in (one.drive, other.drive)
     if was_set and not _equal(one.acceleration_set, other.acceleration_set, FARTHEST):
@@ -184,29 +214,47 @@ def _pair(a: ConditionRow, b: ConditionRow, same: bool) -> ComparedPair:
     relative = None
     if ratio is not None:
         scale = 1 / a.W_exp
-        relative = _estimate(ratio - 1, [(a, -ratio * scale)], [(b, scale)], same, [_level_part(a, b) * scale])
+        relative = _estimate(
+            ratio - 1, [(a, -ratio * scale)], [(b, scale)], same, [_level_part(a, b) * scale]
+        )
     p = difference.p()
     return ComparedPair(
-        A=a.id, B=b.id,
+        A=a.id,
+        B=b.id,
         material=b.material if _unknown(a.material) else a.material,
         density=b.density if a.density is None else a.density,
         diameter=b.diameter if a.diameter is None else a.diameter,
         fill=b.fill if a.fill is None else a.fill,
         frequency=b.frequency if a.frequency is None else a.frequency,
         acceleration_set=b.acceleration_set if a.acceleration_set is None else a.acceleration_set,
-        not_compared=tuple(name for name in SETTINGS if _unknown(getattr(a, name)) or _unknown(getattr(b, name))),
-        bed_A=a.bed, bed_B=b.bed, acceleration_A=a.acceleration, acceleration_B=b.acceleration,
-        W_A=a.W_exp, U_A=a.U_W_exp, W_B=b.W_exp, U_B=b.U_W_exp,
-        difference=difference.value, U_difference=difference.U,
-        E_n=difference.value / difference.U if difference.U else None, p=p,
+        not_compared=tuple(
+            name for name in SETTINGS if _unknown(getattr(a, name)) or _unknown(getattr(b, name))
+        ),
+        bed_A=a.bed,
+        bed_B=b.bed,
+        acceleration_A=a.acceleration,
+        acceleration_B=b.acceleration,
+        W_A=a.W_exp,
+        U_A=a.U_W_exp,
+        W_B=b.W_exp,
+        U_B=b.U_W_exp,
+        difference=difference.value,
+        U_difference=difference.U,
+        E_n=difference.value / difference.U if difference.U else None,
+        p=p,
         relative=None if relative is None else relative.value,
         U_relative=None if relative is None else relative.U,
-        runs_A=len(a.runs), runs_B=len(b.runs), p_holm=p, significant=False,
-    )  # fmt: skip
+        runs_A=len(a.runs),
+        runs_B=len(b.runs),
+        p_holm=p,
+        significant=False,
+    )
 
 
 def _level_part(a: ConditionRow, b: ConditionRow) -> float:
-    """Standard uncertainty of a difference in J from levels that are not the same, W growing as a^n."""
+    """Standard uncertainty of a difference in J from levels that are not the same, W growing as
+    a^n.
+    """
     n = float(a.exponent or b.exponent or 2.0)
     return abs(n * _levels(a, b)) * max(abs(float(a.W_exp)), abs(float(b.W_exp))) / math.sqrt(3)
 
@@ -218,8 +266,9 @@ def _estimate(
     same: bool,
     more: Sequence[float] = (),
 ) -> Estimate:
-    """A value that depends on W of conditions with given derivatives. Lines in J (scatter, noise) belong to a condition
-    alone; all others are one error of a session's instruments, of both sessions where they are the same."""
+    """A value that depends on W of conditions with given derivatives. Lines in J (scatter, noise)
+    belong to a condition alone; all others are one error of a session's instruments, of both
+    sessions where they are the same."""
     shared: dict[tuple[str, str], float] = defaultdict(float)
     nu: dict[tuple[str, str], float] = {}
     parts = [(part, math.inf) for part in more]
@@ -245,7 +294,11 @@ def _overall(pairs: Sequence[Pair], same: bool) -> OverallDifference | None:
     ratio = math.fsum(b.W_exp for _, b in pairs) / total
     levels = [_level_part(a, b) / total for a, b in pairs]
     found = _estimate(
-        ratio - 1, [(a, -ratio / total) for a, _ in pairs], [(b, 1 / total) for _, b in pairs], same, levels
+        ratio - 1,
+        [(a, -ratio / total) for a, _ in pairs],
+        [(b, 1 / total) for _, b in pairs],
+        same,
+        levels,
     )
     nu = None if math.isinf(found.nu) else found.nu
     return OverallDifference(found.value, found.U, found.k, nu, len(pairs))
@@ -263,12 +316,16 @@ def _sign(value: float) -> int:
 
 
 def _ranks(pairs: Sequence[Pair]) -> RankOrder:
-    """Tau over the pairs with its 95 % interval (Fieller, Hartley and Pearson, Biometrika 44, 470 (1957): tanh of
-    atanh(tau) ± 1.96 sqrt(0.437/(n - 4)), from 10 pairs on), and the orders that both sessions decide differently."""
+    """Tau over the pairs with its 95 % interval (Fieller, Hartley and Pearson, Biometrika 44, 470
+    (1957): tanh of atanh(tau) ± 1.96 sqrt(0.437/(n - 4)), from 10 pairs on), and the orders that
+    both sessions decide differently."""
     tau = kendall([a.W_exp for a, _ in pairs], [b.W_exp for _, b in pairs])
     n, interval = len(pairs), None
     if tau is not None and n >= 10:
-        z, half = math.atanh(max(-1 + 1e-12, min(tau, 1 - 1e-12))), 1.96 * math.sqrt(0.437 / (n - 4))
+        z, half = (
+            math.atanh(max(-1 + 1e-12, min(tau, 1 - 1e-12))),
+            1.96 * math.sqrt(0.437 / (n - 4)),
+        )
         interval = math.tanh(z - half), math.tanh(z + half)
     opposite, decided = 0, []
     for (a, b), (c, d) in combinations(pairs, 2):
@@ -281,6 +338,8 @@ def _ranks(pairs: Sequence[Pair]) -> RankOrder:
 
 
 def _order(one: ConditionRow, other: ConditionRow) -> int:
-    """Which of two conditions of a session has the larger W: 1, -1, or 0 where their U does not tell."""
+    """Which of two conditions of a session has the larger W: 1, -1, or 0 where their U does not
+    tell.
+    """
     found = _estimate(one.W_exp - other.W_exp, [(one, 1.0), (other, -1.0)], (), True)
     return _sign(found.value) if abs(found.value) > found.U else 0

@@ -71,16 +71,18 @@ def agreement(
 ) -> Report:
     """The report of a session.
 
-    runs: energies of its runs. conditions: documents of the session by id, in the order to report. prediction: as the
-    session's document, {"conditions": {id: {"acceleration": [m/s^2], "W_T": [J], ...}}} with the keys of
-    `analysis.session.prediction_entry`, None for none: plain numbers, so that a laboratory's own can take its place.
-    channels: channel table with "force" and "acceleration". assumed: values of the rig file. left_out: runs that could
-    not be used. expect: claims to judge. actual: the instruments as they really are, for the terms of the offset
-    (simulated sessions only). fidelity: how finely and how long each condition was simulated, where that was chosen and
-    not written. resolved: protocol and rig file written out. loop_backs: what runs with one voltage at both inputs
-    tell. sweeps: of runs that sweep, which state no energy.
+    runs: energies of its runs. conditions: documents of the session by id, in the order to report.
+    prediction: as the session's document, {"conditions": {id: {"acceleration": [m/s^2], "W_T": [J],
+    ...}}} with the keys of `analysis.session.prediction_entry`, None for none: plain numbers, so
+    that a laboratory's own can take its place. channels: channel table with "force" and
+    "acceleration". assumed: values of the rig file. left_out: runs that could not be used. expect:
+    claims to judge. actual: the instruments as they really are, for the terms of the offset
+    (simulated sessions only). fidelity: how finely and how long each condition was simulated, where
+    that was chosen and not written. resolved: protocol and rig file written out. loop_backs: what
+    runs with one voltage at both inputs tell. sweeps: of runs that sweep, which state no energy.
 
-    Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom without bound.
+    Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom
+    without bound.
     """
     settings = {name: Setting.of(condition) for name, condition in conditions.items()}
     grouped: dict[str, list[RunEnergy]] = defaultdict(list)
@@ -104,7 +106,7 @@ def agreement(
     known = (signs(results, limit), *known) if results else ()
     judged = verdict(results, nulls, known, closure, left_out, sweeps, limit)
     seen = [r.setting for r in results] + [settings[one.condition] for one in sweeps]
-    ideal = synthetic and all(setting.drive == "servo" for setting in seen)
+    ideal = synthetic and all(setting.drive == "prescribed" for setting in seen)
     rows = tuple(
         _row(
             result,
@@ -120,7 +122,9 @@ def agreement(
         synthetic=synthetic,
         tests="chain" if synthetic and not OWN_MECHANISM & {s.bed for s in seen} else "model",
         waveform="ideal" if ideal else "measured",
-        support=tuple(sorted({setting.support for setting in settings.values() if setting.support})),
+        support=tuple(
+            sorted({setting.support for setting in settings.values() if setting.support})
+        ),
         conditions=rows,
         agreement=_agreement(results),
         comparisons=comparisons(results),
@@ -141,7 +145,7 @@ def agreement(
         sweeps=tuple(sweeps),
         resolved=resolved,
         fidelity=fidelity,
-        mistake=deliberate(results, channels),
+        deliberate_error=deliberate(results, channels),
     )
     return finite(report)
 
@@ -156,11 +160,18 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
     setting, exp, got = result.setting, result.W_exp, result.predicted
     W = [run.energy.W for run in result.runs]
     n = len(W)
-    distortions = [d for d in (box_distortion(run, setting) for run in result.runs) if d is not None]
+    distortions = [
+        d for d in (box_distortion(run, setting) for run in result.runs) if d is not None
+    ]
     told = result.W_T is not None and result.comparable
     offset = _offset(result, exp.value, result.W_T) if told else None
     difference = result.difference if told else None
-    model, refills, recorded, at_box = model_row(result), refills_row(result), _recorded(result), _at_box(result)
+    model, refills, recorded, at_box = (
+        model_row(result),
+        refills_row(result),
+        _recorded(result),
+        _at_box(result),
+    )
     return ConditionRow(
         id=setting.id,
         material=setting.material,
@@ -197,13 +208,13 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
         U_W_T=result.W_T.U if result.W_T else None,
         W_f=got.W_f,
         W_c=got.W_c,
-        W_T_paper=got.W_T_paper,
+        W_T_as_printed=got.W_T_as_printed,
         bound=got.bound,
         exponent=got.exponent,
         offset=offset.value if offset else None,
         U_offset=offset.U if offset else None,
         E_n=_E_n(difference),
-        E_n_chain=_E_n(result.chain),
+        E_n_truth=_E_n(result.chain),
         W_T_low=model.W_T_low,
         W_T_high=model.W_T_high,
         E_n_model=model.E_n_model,
@@ -224,7 +235,9 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
         accelerometer=setting.accelerometer if at_box else None,
         W_at_box=at_box[0] if at_box else None,
         M_eff_at_box=at_box[1] if at_box else None,
-        uncertainty=tuple(_budget_row(line, line.c, line.part, exp.u) for line in result.lines if line.c),
+        uncertainty=tuple(
+            _budget_row(line, line.c, line.part, exp.u) for line in result.lines if line.c
+        ),
         uncertainty_W_T=_budget_of_W_T(result),
         offset_terms=terms,
         allowed_remainder=allowed_remainder(result),
@@ -236,18 +249,22 @@ def _budget_of_W_T(result: Result) -> tuple[SourceRow, ...]:
     W_T = result.W_T
     if W_T is None:
         return ()
-    return tuple(_budget_row(line, line.c_T, line.part_T, W_T.u) for line in result.lines if line.c_T)
+    return tuple(
+        _budget_row(line, line.c_T, line.part_T, W_T.u) for line in result.lines if line.c_T
+    )
 
 
 def _budget_row(line: Line, sensitivity: float, part: float, u: float) -> SourceRow:
-    """A line of the budget of W_exp or W_T, whose standard uncertainty is u (J): its part of u^2 is `share`."""
+    """A line of the budget of W_exp or W_T, whose standard uncertainty is u (J): its part of u^2 is
+    `share`.
+    """
     nu = None if math.isinf(line.nu) else line.nu
     return SourceRow(line.source, line.unit, line.u, sensitivity, nu, (part / u) ** 2 if u else 0.0)
 
 
 def _at_box(result: Result) -> tuple[float, float] | None:
-    """W and apparent mass, means compensated for the places of gauge and accelerometer; None where these are not
-    known."""
+    """W and apparent mass, means compensated for the places of gauge and accelerometer; None where
+    these are not known."""
     found = [run.at_box for run in result.runs if run.at_box is not None]
     if len(found) < len(result.runs):
         return None
@@ -267,7 +284,9 @@ class RecordedTold:
 
 
 def _recorded(result: Result) -> RecordedTold:
-    """The comparison with W_T on the recorded waveforms; the offset as `offset` is left out where nothing is told."""
+    """The comparison with W_T on the recorded waveforms; the offset as `offset` is left out where
+    nothing is told.
+    """
     found = result.recorded
     if found is None:
         return RecordedTold()
@@ -282,7 +301,9 @@ def _recorded(result: Result) -> RecordedTold:
 
 
 def _offset(source: Result | Recorded, W: float, W_T: Estimate | None) -> Estimate | None:
-    """W/W_T - 1 with the budget behind both: an error of W_T weighs W/W_T times as much as one of W."""
+    """W/W_T - 1 with the budget behind both: an error of W_T weighs W/W_T times as much as one of
+    W.
+    """
     if W_T is None:
         return None
     return propagated(W / W_T.value - 1, [(source, 1 / W_T.value, -W / W_T.value**2)])
@@ -300,10 +321,14 @@ def _run_row(run: RunEnergy) -> RunRow:
 
 
 def _agreement(results: Sequence[Result]) -> AgreementRow:
-    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay common."""
+    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay
+    common.
+    """
     comparable = [r for r in results if r.comparable]
     ratio = energy_ratio(comparable)
-    on_waveform = [(r, r.recorded.W_T) for r in results if r.recorded is not None and r.comparable_recorded]
+    on_waveform = [
+        (r, r.recorded.W_T) for r in results if r.recorded is not None and r.comparable_recorded
+    ]
     recorded = recorded_ratio([r for r, _ in on_waveform])
     predicted = [(r, r.W_T) for r in results if r.W_T is not None and r.W_T.value > 0]
     slope = line = None
@@ -313,21 +338,32 @@ def _agreement(results: Sequence[Result]) -> AgreementRow:
     known = line or slope  # of two conditions there is only the line through the origin
     if known is not None and not known.is_likely:
         slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
-    offsets = [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None] if ratio is not None else []
+    offsets = (
+        [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
+        if ratio is not None
+        else []
+    )
     return AgreementRow(
-        ratio=ratio.value if ratio else None, U_ratio=ratio.U if ratio else None,
-        k=ratio.k if ratio else None, nu=ratio.nu if ratio else None,
-        slope=slope.slope.value if slope else None, U_slope=slope.slope.U if slope else None,
+        ratio=ratio.value if ratio else None,
+        U_ratio=ratio.U if ratio else None,
+        k=ratio.k if ratio else None,
+        nu=ratio.nu if ratio else None,
+        slope=slope.slope.value if slope else None,
+        U_slope=slope.slope.U if slope else None,
         line=line.row() if line else None,
-        mean_offset=math.fsum(offsets) / len(offsets) if offsets else None, n=len(offsets),
+        mean_offset=math.fsum(offsets) / len(offsets) if offsets else None,
+        n=len(offsets),
         put_in=_put_in(predicted),
-        ratio_recorded=recorded.value if recorded else None, U_ratio_recorded=recorded.U if recorded else None,
+        ratio_recorded=recorded.value if recorded else None,
+        U_ratio_recorded=recorded.U if recorded else None,
         put_in_recorded=_put_in(on_waveform),
-    )  # fmt: skip
+    )
 
 
 def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
-    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None without truth or W_T."""
+    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None
+    without truth or W_T.
+    """
     total = math.fsum(W_T.value for _, W_T in predicted)
     found = [_ledger_mean(result, column) for result, _ in predicted for column in BOX_LOSSES]
     known = [value for value in found if value is not None]
@@ -340,7 +376,9 @@ def _E_n(difference: Estimate | None) -> float | None:
 
 
 def _ledger_mean(result: Result, column: str) -> float | None:
-    values = [run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger]
+    values = [
+        run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger
+    ]
     return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
 
 
@@ -350,7 +388,9 @@ def _closure(results: Sequence[Result]) -> float | None:
 
 
 def _flags(results: Sequence[Result], sweeps: Sequence[SweepCurve]) -> tuple[FlagRow, ...]:
-    """Every flag with the runs that carry it, in the order of first appearance, and the most used of a limit."""
+    """Every flag with the runs that carry it, in the order of first appearance, and the most used
+    of a limit.
+    """
     runs: dict[str, list[tuple[str, Mapping[str, float]]]] = defaultdict(list)
     every = [(run.run, run.flags, run.use) for result in results for run in result.runs]
     every += [(one.run, one.flags, one.use) for one in sweeps]
@@ -369,14 +409,23 @@ def _flags(results: Sequence[Result], sweeps: Sequence[SweepCurve]) -> tuple[Fla
 
 def _too_coarse(results: Sequence[Result], fidelity: Fidelity) -> tuple[FlagRow, ...]:
     """The flag of the conditions whose predicted error exceeds the tolerance that was asked for."""
-    over = {row.id: (row.error or 0.0) / fidelity.tolerance for row in fidelity.conditions if not row.met}
+    over = {
+        row.id: (row.error or 0.0) / fidelity.tolerance
+        for row in fidelity.conditions
+        if not row.met
+    }
     runs = tuple(run.run for result in results if result.setting.id in over for run in result.runs)
     return (FlagRow("over_tolerance", max(over.values()), runs),) if runs else ()
 
 
 def _instrument(channel: ChannelFacts) -> InstrumentRow:
     return InstrumentRow(
-        channel=channel.name, model=channel.model, unit=channel.unit, sensitivity=channel.sensitivity,
-        time_constant=channel.time_constant, calibration_U=channel.calibration_U,
-        gain_tolerance=channel.gain_tolerance, noise_rms=channel.noise_rms,
-    )  # fmt: skip
+        channel=channel.name,
+        model=channel.model,
+        unit=channel.unit,
+        sensitivity=channel.sensitivity,
+        time_constant=channel.time_constant,
+        calibration_U=channel.calibration_U,
+        gain_tolerance=channel.gain_tolerance,
+        noise_rms=channel.noise_rms,
+    )

@@ -14,11 +14,13 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energies of a window in J per cycle, and the phasors (peak values, t = 0 at the window's start) behind them.
+    """Energies of a window in J per cycle, and the phasors (peak values, t = 0 at the window's
+    start) behind them.
 
-    W: loop estimator, mean over cycles; W_cycles: (cycles,) each one; W_exc: whole-window integral of F v dt;
-    W_kin: change of the box's kinetic energy per cycle from the first to the last cycle start (0 without a box mass);
-    W_eq25 = W_exc - W_kin; W_phasor. force (N), acceleration (m/s^2): phasors of harmonics 1, 2, ...; frequency: Hz.
+    W: loop estimator, mean over cycles; W_cycles: (cycles,) each one; W_exc: whole-window integral
+    of F v dt; W_kin: change of the box's kinetic energy per cycle from the first to the last cycle
+    start (0 without a box mass); W_eq25 = W_exc - W_kin; W_phasor. force (N), acceleration (m/s^2):
+    phasors of harmonics 1, 2, ...; frequency: Hz.
     """
 
     frequency: float
@@ -43,9 +45,15 @@ class Energy:
 
     @property
     def M_eff(self) -> float:
-        """Apparent mass at the fundamental, kg: real part of F/A; everything beyond the gauge plane."""
+        """Apparent mass at the fundamental, kg: real part of F/A; everything beyond the gauge
+        plane.
+        """
         force, acceleration = complex(self.force[0]), complex(self.acceleration[0])
-        return (force * acceleration.conjugate()).real / abs(acceleration) ** 2 if acceleration else math.nan
+        return (
+            (force * acceleration.conjugate()).real / abs(acceleration) ** 2
+            if acceleration
+            else math.nan
+        )
 
     @property
     def reactive(self) -> float:
@@ -76,15 +84,18 @@ class Energy:
 
     @property
     def thd_acceleration(self) -> float:
-        """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the fundamental's."""
+        """Harmonic distortion of the acceleration: rms of harmonics 2 and up over the
+        fundamental's.
+        """
         return float(np.linalg.norm(self.acceleration[1:])) / self.level if self.level else math.nan
 
 
 @dataclass(frozen=True, slots=True)
 class AtBox:
-    """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and what is in it, without
-    the gauge's; level: fundamental of the box's acceleration, m/s^2; M_stiffness: kg, what a standard deviation of the
-    stinger's stiffness makes of M_eff, with its sign."""
+    """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and
+    what is in it, without the gauge's; level: fundamental of the box's acceleration, m/s^2;
+    M_stiffness: kg, what a standard deviation of the stinger's stiffness makes of M_eff, with its
+    sign."""
 
     W: float
     M_eff: float

@@ -1,4 +1,6 @@
-"""W of each cycle while a run is still being recorded: the analysis's own reading, stretch by stretch."""
+"""W of each cycle while a run is still being recorded: the analysis's own reading, stretch by
+stretch.
+"""
 
 import math
 from collections.abc import Sequence
@@ -18,16 +20,22 @@ Array = NDArray[np.float64]
 
 
 class Online:
-    """Takes a run's blocks in order; gives W of every cycle as soon as it is complete, in constant memory.
+    """Takes a run's blocks in order; gives W of every cycle as soon as it is complete, in constant
+    memory.
 
-    The window, the corrections and the loop integral are those of run_energy. Poles are undone over the cycles that a
-    block completes in place of 64 at a time: W of a cycle differs by the mean that is taken off first, of the order of
-    1/(w tau) of the scatter between cycles. ValueError where no whole cycle fits into the planned samples, and for a
-    sweep.
+    The window, the corrections and the loop integral are those of run_energy. Poles are undone over
+    the cycles that a block completes in place of 64 at a time: W of a cycle differs by the mean
+    that is taken off first, of the order of 1/(w tau) of the scatter between cycles. ValueError
+    where no whole cycle fits into the planned samples, and for a sweep.
     """
 
     def __init__(
-        self, channels: Sequence[ChannelInfo], setting: Setting, rate: float, samples: int, phase: float = 0.0
+        self,
+        channels: Sequence[ChannelInfo],
+        setting: Setting,
+        rate: float,
+        samples: int,
+        phase: float = 0.0,
     ) -> None:
         if setting.sweep_to is not None:
             raise ValueError("a sweep has no cycles that close")
@@ -36,11 +44,17 @@ class Online:
         self._channels = [channels[row] for row in self._rows]
         force, acceleration = self._channels
         self._window = whole_cycles(
-            samples, rate, setting.frequency, filter_delay=force.filter_delay + phase, settle=setting.settle_cycles,
+            samples,
+            rate,
+            setting.frequency,
+            filter_delay=force.filter_delay + phase,
+            settle=setting.settle_cycles,
             cycles=int(setting.record_cycles),
-        )  # fmt: skip
+        )
         self._frequency = setting.frequency
-        self._delay = (acceleration.filter_delay - force.filter_delay) / rate + force.skew - acceleration.skew
+        self._delay = (
+            (acceleration.filter_delay - force.filter_delay) / rate + force.skew - acceleration.skew
+        )
         self._done = 0
         self._first = 0
         self._kept: Array = np.empty((2, 0))
@@ -70,7 +84,9 @@ class Online:
         found = np.empty(0)
         if ready:
             part = self._next(ready)
-            force, acceleration = (np.ascontiguousarray(row) for row in on_grid(self._kept, self._first, part))
+            force, acceleration = (
+                np.ascontiguousarray(row) for row in on_grid(self._kept, self._first, part)
+            )
             poles = (self._channels[0].time_constants, self._channels[1].time_constants)
             found = window_energy(
                 force, acceleration, ready, self._frequency, time_constants=poles, delay=self._delay

@@ -1,9 +1,9 @@
 """Energy dissipated per cycle from a force and an acceleration, three ways.
 
-Signs: force acts on the box, positive along the drive axis; e^(+jwt); W > 0 for a dashpot.
-`loop`: closed integral of F v dt over each cycle. `phasor`: -pi / (w h w) Im(F_h A_h*) summed over the harmonics h of
-the whole window. `eq25`: W_exc - W_kin of the paper's eq. 25. On whole cycles they agree by Parseval's theorem, which
-is a check of the arithmetic and no independent evidence.
+Signs: force acts on the box, positive along the drive axis; e^(+jwt); W > 0 for a dashpot. `loop`:
+closed integral of F v dt over each cycle. `phasor`: -pi / (w h w) Im(F_h A_h*) summed over the
+harmonics h of the whole window. `eq25`: W_exc - W_kin of the paper's eq. 25. On whole cycles they
+agree by Parseval's theorem, which is a check of the arithmetic and no independent evidence.
 """
 
 import math
@@ -42,25 +42,38 @@ def dissipated_energy(
 ) -> Energy:
     """Energy dissipated per cycle by what lies beyond the force gauge.
 
-    force (N) and acceleration (m/s^2): 1-D, equally long, sampled together at `rate` (Hz) and driven at `frequency`
-    (Hz). settle, cycles, filter_delay: see whole_cycles; all whole cycles are used by default. time_constants: s, of
-    the high-pass poles of the two channels (None, one, or several), undone harmonic by harmonic. delay: s by which the
-    acceleration channel lags the force channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is
-    not finite or no whole cycle fits.
+    force (N) and acceleration (m/s^2): 1-D, equally long, sampled together at `rate` (Hz) and
+    driven at `frequency` (Hz). settle, cycles, filter_delay: see whole_cycles; all whole cycles are
+    used by default. time_constants: s, of the high-pass poles of the two channels (None, one, or
+    several), undone harmonic by harmonic. delay: s by which the acceleration channel lags the force
+    channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is not finite or no
+    whole cycle fits.
     """
     force, acceleration = np.asarray(force, dtype=float), np.asarray(acceleration, dtype=float)
     if force.ndim != 1 or force.shape != acceleration.shape:
-        raise ValueError(f"force {force.shape} and acceleration {acceleration.shape} must be 1-D and equally long")
+        raise ValueError(
+            f"force {force.shape} and acceleration {acceleration.shape} must be 1-D and equally long"
+        )
     if not (np.isfinite(force).all() and np.isfinite(acceleration).all()):
         raise ValueError("force and acceleration must be finite")
-    window = whole_cycles(force.size, rate, frequency, filter_delay=filter_delay, settle=settle, cycles=cycles)
+    window = whole_cycles(
+        force.size, rate, frequency, filter_delay=filter_delay, settle=settle, cycles=cycles
+    )
     both = np.stack([force, acceleration])
     total = Total()
     for part in window.segments():
         f, a = on_grid(both, 0, part)
-        total.add(window_energy(
-            f, a, part.cycles, frequency, time_constants=time_constants, delay=delay, box_mass=box_mass
-        ))  # fmt: skip
+        total.add(
+            window_energy(
+                f,
+                a,
+                part.cycles,
+                frequency,
+                time_constants=time_constants,
+                delay=delay,
+                box_mass=box_mass,
+            )
+        )
     return total.energy()
 
 
@@ -74,26 +87,36 @@ def window_energy(
     delay: float = 0.0,
     box_mass: float = 0.0,
 ) -> Energy:
-    """Energies of a window of `cycles` whole cycles with a whole number of points each; see dissipated_energy."""
+    """Energies of a window of `cycles` whole cycles with a whole number of points each; see
+    dissipated_energy.
+    """
     points = force.size // cycles
     step = 1 / (frequency * points)
     force = _corrected(force, step, time_constants[0], 0.0)
     acceleration = _corrected(acceleration, step, time_constants[1], delay)
-    sums = cycle_sums(np.ascontiguousarray(force), np.ascontiguousarray(acceleration), acceleration.mean(), cycles)
+    sums = cycle_sums(
+        np.ascontiguousarray(force), np.ascontiguousarray(acceleration), acceleration.mean(), cycles
+    )
     force_h, acceleration_h = (_phasors(shape / cycles) for shape in sums[-1])
     W_cycles = _loop(sums, points, step)
     W_exc, W_kin = _literal(sums, points, step, box_mass)
     omega = 2 * math.pi * frequency * np.arange(1, force_h.size + 1)
     return Energy(
-        frequency=frequency, cycles=cycles, W=float(W_cycles.mean()), W_cycles=W_cycles, W_exc=W_exc, W_kin=W_kin,
+        frequency=frequency,
+        cycles=cycles,
+        W=float(W_cycles.mean()),
+        W_cycles=W_cycles,
+        W_exc=W_exc,
+        W_kin=W_kin,
         W_phasor=-0.5 / frequency * float(((force_h * acceleration_h.conj()).imag / omega).sum()),
-        force=force_h, acceleration=acceleration_h,
-    )  # fmt: skip
+        force=force_h,
+        acceleration=acceleration_h,
+    )
 
 
 class Total:
-    """Energies of consecutive windows as one, added up as they come: means weighted with their cycles (the phasors are
-    coherent)."""
+    """Energies of consecutive windows as one, added up as they come: means weighted with their
+    cycles (the phasors are coherent)."""
 
     def __init__(self) -> None:
         self._first: Energy | None = None
@@ -104,8 +127,17 @@ class Total:
     def add(self, part: Energy) -> None:
         """The next window."""
         n = part.cycles
-        own = (n * part.W, n * part.W_exc, n * part.W_kin, n * part.W_phasor, n * part.force, n * part.acceleration)
-        self._sums = tuple(a + b for a, b in zip(self._sums, own, strict=True)) if self._first else own
+        own = (
+            n * part.W,
+            n * part.W_exc,
+            n * part.W_kin,
+            n * part.W_phasor,
+            n * part.force,
+            n * part.acceleration,
+        )
+        self._sums = (
+            tuple(a + b for a, b in zip(self._sums, own, strict=True)) if self._first else own
+        )
         self._first = self._first or part
         self._cycles += n
         self._W_cycles.append(part.W_cycles)
@@ -116,11 +148,20 @@ class Total:
             raise ValueError("no window")
         if len(self._W_cycles) == 1:
             return self._first
-        W, W_exc, W_kin, W_phasor, force, acceleration = (each / self._cycles for each in self._sums)
+        W, W_exc, W_kin, W_phasor, force, acceleration = (
+            each / self._cycles for each in self._sums
+        )
         return Energy(
-            self._first.frequency, self._cycles, W, np.concatenate(self._W_cycles), W_exc, W_kin, W_phasor, force,
+            self._first.frequency,
+            self._cycles,
+            W,
+            np.concatenate(self._W_cycles),
+            W_exc,
+            W_kin,
+            W_phasor,
+            force,
             acceleration,
-        )  # fmt: skip
+        )
 
 
 def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:
@@ -150,7 +191,8 @@ def _phasors(cycle: Array) -> Complex:
 def _loop(sums: CycleSums, points: int, step: float) -> Array:
     """Closed integral of F v dt of every cycle, (cycles,), means removed cycle by cycle.
 
-    u is the integral less the mean of the whole window; a cycle's own mean takes a straight line from it.
+    u is the integral less the mean of the whole window; a cycle's own mean takes a straight line
+    from it.
     """
     F, a, kF, u, Fu, _, _ = sums
     slope = (a - a.mean()) / points  # a.mean() / points is the window's mean
@@ -161,15 +203,17 @@ def _loop(sums: CycleSums, points: int, step: float) -> Array:
 def _literal(sums: CycleSums, points: int, step: float, box_mass: float) -> tuple[float, float]:
     """W_exc and W_kin of eq. 25, J per cycle, from one integration over the whole window.
 
-    An accelerometer's offset makes the velocity drift: the line through the means of the cycles is taken off. (The mean
-    acceleration would not do: it is the box's own change of speed too, and W_kin would vanish by construction.)
+    An accelerometer's offset makes the velocity drift: the line through the means of the cycles is
+    taken off. (The mean acceleration would not do: it is the box's own change of speed too, and
+    W_kin would vanish by construction.)
     """
     F, _, kF, u, Fu, u_first, _ = sums
     cycles = F.size
     middle = np.arange(cycles) - (cycles - 1) / 2
     means = u / points
     slope = float((means * middle).sum()) / float((middle * middle).sum()) if cycles > 1 else 0.0
-    # the line at the start of each cycle, a cycle's middle lying (1 - 1/points)/2 of a cycle behind it
+    # the line at the start of each cycle, a cycle's middle lying (1 - 1/points)/2 of a cycle behind
+    # it
     line = float(means.mean()) + slope * (middle - (1 - 1 / points) / 2)
     W_exc = float((Fu - line * F - slope / points * kF).sum()) * step**2 / cycles
     first, last = float(u_first[0] - line[0]) * step, float(u_first[-1] - line[-1]) * step

@@ -1,11 +1,13 @@
 """A slow sweep of the drive: force and acceleration against frequency, cycle by cycle.
 
-The phase of the drive is known: phi = 2 pi (f0 t + p t^2/2), p the sweep rate. A signal's fundamental over the cycle
-from phi = 2 pi n to 2 pi (n + 1) is 2 mean(s e^(-j phi)) over the phase, dphi = 2 pi f dt: what is steady in phase
-counts alike wherever in the cycle it is sampled. Poles and delays of the channels are undone at each cycle's frequency.
+The phase of the drive is known: phi = 2 pi (f0 t + p t^2/2), p the sweep rate. A signal's
+fundamental over the cycle from phi = 2 pi n to 2 pi (n + 1) is 2 mean(s e^(-j phi)) over the phase,
+dphi = 2 pi f dt: what is steady in phase counts alike wherever in the cycle it is sampled. Poles
+and delays of the channels are undone at each cycle's frequency.
 
-A linear system answers a sweep with H - j (b/2) H'' + .., b = 2 pi p, derivatives by the angular frequency: how far the
-answer is off the steady one is told from the curve itself, (b/2) |H''|, by a parabola through neighbouring points.
+A linear system answers a sweep with H - j (b/2) H'' + .., b = 2 pi p, derivatives by the angular
+frequency: how far the answer is off the steady one is told from the curve itself, (b/2) |H''|, by a
+parabola through neighbouring points.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +32,9 @@ NEIGHBOURS = 3  # points on either side of a parabola
 
 @dataclass(frozen=True, slots=True)
 class SweepSummary:
-    """Where the acceleration of a sweep is largest and least, and where its force is least: value, and frequency."""
+    """Where the acceleration of a sweep is largest and least, and where its force is least: value,
+    and frequency.
+    """
 
     acceleration: tuple[float, float]
     acceleration_least: tuple[float, float]
@@ -38,7 +42,10 @@ class SweepSummary:
 
 
 def sweep(
-    record: RecordedSession, run: RunFacts, flags: Sequence[str] = (), use: Mapping[str, float] | None = None
+    record: RecordedSession,
+    run: RunFacts,
+    flags: Sequence[str] = (),
+    use: Mapping[str, float] | None = None,
 ) -> SweepCurve:
     """The sweep of one run; cycles are taken together where they are more than MOST_POINTS.
 
@@ -51,23 +58,37 @@ def sweep(
         raise AnalysisError(f"{run.name} is not complete")
     missing = [name for name in ("force", "acceleration") if name not in record.channels]
     if missing:
-        raise AnalysisError(f"the record has no channel {missing[0]!r}; it has {', '.join(record.channels)}")
+        raise AnalysisError(
+            f"the record has no channel {missing[0]!r}; it has {', '.join(record.channels)}"
+        )
     frequency, force, acceleration = _cycles(record, run, setting)
     together = -(-frequency.size // MOST_POINTS)
     whole = frequency.size // together * together
     frequency = frequency[:whole].reshape(-1, together).mean(axis=1)
-    force, acceleration = (x[:whole].reshape(-1, together).mean(axis=1) for x in (force, acceleration))
+    force, acceleration = (
+        x[:whole].reshape(-1, together).mean(axis=1) for x in (force, acceleration)
+    )
     pace = _pace(setting)
     ratio = force * acceleration.conj()
     return SweepCurve(
-        run=run.name, flags=tuple(flags), use=dict(use or {}),
-        condition=run.condition, bed=setting.bed, fill=setting.fill,
-        from_=setting.frequency, to=setting.sweep_to, rate=pace, cycles_each=together,
-        frequency=tuple(frequency.tolist()), force=tuple(np.abs(force).tolist()),
-        acceleration=tuple(np.abs(acceleration).tolist()), force_phase=tuple(np.angle(ratio).tolist()),
+        run=run.name,
+        flags=tuple(flags),
+        use=dict(use or {}),
+        condition=run.condition,
+        bed=setting.bed,
+        fill=setting.fill,
+        from_=setting.frequency,
+        to=setting.sweep_to,
+        rate=pace,
+        cycles_each=together,
+        frequency=tuple(frequency.tolist()),
+        force=tuple(np.abs(force).tolist()),
+        acceleration=tuple(np.abs(acceleration).tolist()),
+        force_phase=tuple(np.angle(ratio).tolist()),
         M_eff=tuple((ratio.real / np.abs(acceleration) ** 2).tolist()),
-        shift_force=shift(frequency, force, pace), shift_acceleration=shift(frequency, acceleration, pace),
-    )  # fmt: skip
+        shift_force=shift(frequency, force, pace),
+        shift_acceleration=shift(frequency, acceleration, pace),
+    )
 
 
 def _pace(setting: Setting) -> float:
@@ -76,7 +97,9 @@ def _pace(setting: Setting) -> float:
     return (last**2 - setting.frequency**2) / (2.0 * setting.record_cycles)
 
 
-def _cycles(record: RecordedSession, run: RunFacts, setting: Setting) -> tuple[Array, Complex, Complex]:
+def _cycles(
+    record: RecordedSession, run: RunFacts, setting: Setting
+) -> tuple[Array, Complex, Complex]:
     """Mean frequency of every cycle of the sweep, and the phasors of force and acceleration in it."""
     names = ("force", "acceleration")
     channels = [record.channels[name] for name in names]
@@ -85,7 +108,9 @@ def _cycles(record: RecordedSession, run: RunFacts, setting: Setting) -> tuple[A
     frequency = 0.5 * (edges[1:] + edges[:-1])
     found = []
     for name, channel in zip(names, channels, strict=True):
-        start = (setting.settle_cycles / f0) * run.rate + channel.filter_delay - channel.skew * run.rate
+        start = (
+            (setting.settle_cycles / f0) * run.rate + channel.filter_delay - channel.skew * run.rate
+        )
         sums = np.zeros((2, count), np.complex128)
         for first in range(0, run.samples, PIECE):
             signal = record.signal(run.name, name, first, min(first + PIECE, run.samples)).samples
@@ -97,8 +122,9 @@ def _cycles(record: RecordedSession, run: RunFacts, setting: Setting) -> tuple[A
 
 
 def fundamentals(signal: Array, time: Array, first: float, pace: float, cycles: int) -> Complex:
-    """Sums over the samples of each cycle that make its fundamental's phasor (peak): [sum s e^(-j phi) dphi, sum of
-    dphi/2], shape (2, cycles); time: s from the start of the sweep at `first` Hz, pace: Hz/s."""
+    """Sums over the samples of each cycle that make its fundamental's phasor (peak): [sum s e^(-j
+    phi) dphi, sum of dphi/2], shape (2, cycles); time: s from the start of the sweep at `first` Hz,
+    pace: Hz/s."""
     turns = (first + 0.5 * pace * time) * time
     inside = (time >= 0.0) & (turns < cycles)
     signal, turns, weight = signal[inside], turns[inside], first + pace * time[inside]

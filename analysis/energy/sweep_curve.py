@@ -11,10 +11,10 @@ __all__ = ["SweepCurve"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepCurve:
-    """The sweep of one run with its flags and its uses of the exciter's limits (1: at it), SI: fundamentals (peak) at
-    the mean frequency of each cycle, or of `cycles_each` cycles together; phase by which force leads acceleration, rad;
-    apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s; shift: what the rate makes of force and acceleration, over the largest
-    one."""
+    """The sweep of one run with its flags and its uses of the exciter's limits (1: at it), SI:
+    fundamentals (peak) at the mean frequency of each cycle, or of `cycles_each` cycles together;
+    phase by which force leads acceleration, rad; apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s;
+    shift: what the rate makes of force and acceleration, over the largest one."""
 
     run: str
     flags: tuple[str, ...]

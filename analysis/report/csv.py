@@ -10,18 +10,61 @@ from daq.strange_text import cell_text
 __all__ = ["csv_text"]
 
 COLUMNS = (
-    "id", "material", "density", "diameter", "fill", "bed", "drive", "bed_mass", "frequency", "acceleration_set",
-    "acceleration", "W_exp", "s_W_exp", "U_W_exp", "k", "nu", "W_net", "W_detect", "W_T", "U_W_T", "W_f", "W_c",
-    "W_T_paper", "bound", "exponent", "offset", "U_offset", "E_n", "E_n_chain",
-    "eta", "U_eta", "M_eff", "U_M_eff", "thd_force", "thd_box",
-    "period", "periodic_share", "dKE_bed", "W_coil", "U_W_coil", "E_n_coil",
-    "W_T_recorded", "U_W_T_recorded", "offset_recorded", "U_offset_recorded", "E_n_recorded", "thd_acceleration",
-    "force", "force_phase",
-)  # fmt: skip
+    "id",
+    "material",
+    "density",
+    "diameter",
+    "fill",
+    "bed",
+    "drive",
+    "bed_mass",
+    "frequency",
+    "acceleration_set",
+    "acceleration",
+    "W_exp",
+    "s_W_exp",
+    "U_W_exp",
+    "k",
+    "nu",
+    "W_net",
+    "W_detect",
+    "W_T",
+    "U_W_T",
+    "W_f",
+    "W_c",
+    "W_T_as_printed",
+    "bound",
+    "exponent",
+    "offset",
+    "U_offset",
+    "E_n",
+    "E_n_truth",
+    "eta",
+    "U_eta",
+    "M_eff",
+    "U_M_eff",
+    "thd_force",
+    "thd_box",
+    "period",
+    "periodic_share",
+    "dKE_bed",
+    "W_coil",
+    "U_W_coil",
+    "E_n_coil",
+    "W_T_recorded",
+    "U_W_T_recorded",
+    "offset_recorded",
+    "U_offset_recorded",
+    "E_n_recorded",
+    "thd_acceleration",
+    "force",
+    "force_phase",
+)
 
 
 def csv_text(report: Report) -> str:
-    """The conditions as comma-separated values, SI units, names as in report.json, empty where not known.
+    """The conditions as comma-separated values, SI units, names as in report.json, empty where not
+    known.
 
     Text that a spreadsheet would compute as a formula stands behind an apostrophe.
     """

@@ -8,7 +8,7 @@ __all__ = ["mistake_sentences", "mistake_tables"]
 
 def mistake_sentences(report: Report) -> tuple[str, ...]:
     """One paragraph where a mistake was made on purpose, none otherwise."""
-    found = report.mistake
+    found = report.deliberate_error
     if found is None:
         return ()
     text = f"This is a deliberately bad experiment: {found.what}."
@@ -23,25 +23,43 @@ def mistake_sentences(report: Report) -> tuple[str, ...]:
 
 
 def mistake_tables(report: Report) -> tuple[Table, ...]:
-    """The wrong and the right W, and the rule's error beside the one found; nothing without a mistake."""
-    found = report.mistake
+    """The wrong and the right W, and the rule's error beside the one found; nothing without a
+    mistake.
+    """
+    found = report.deliberate_error
     if found is None:
         return ()
     note = (
         "W_exp as the bad experiment gives it and W_true from the rig's own ledger, mJ per cycle; eta from W_true and "
         f"the apparent mass. Rule: {found.rule}."
     )
-    head = ("id", "W_exp, mJ", "W_true, mJ", "eta", "error, %", "predicted, %", "error over predicted")
+    head = (
+        "id",
+        "W_exp, mJ",
+        "W_true, mJ",
+        "eta",
+        "error, %",
+        "predicted, %",
+        "error over predicted",
+    )
     rows = tuple(
         (
-            Cell(row.id), _number(row.W_exp, ".4g", 1e3), _number(row.W_true, ".4g", 1e3),
-            _number(row.eta, ".3g"), _number(row.error, "+.3g", 100), _number(row.predicted, "+.3g", 100),
+            Cell(row.id),
+            _number(row.W_exp, ".4g", 1e3),
+            _number(row.W_true, ".4g", 1e3),
+            _number(row.eta, ".3g"),
+            _number(row.error, "+.3g", 100),
+            _number(row.predicted, "+.3g", 100),
             _number(row.ratio, ".3f"),
         )
         for row in found.conditions
-    )  # fmt: skip
+    )
     return (Table("The deliberate mistake", note, head, rows),)
 
 
 def _number(value: float | None, form: str, scale: float = 1.0) -> Cell:
-    return Cell("–", numeric=True) if value is None else Cell(format(scale * value, form), scale * value)
+    return (
+        Cell("–", numeric=True)
+        if value is None
+        else Cell(format(scale * value, form), scale * value)
+    )

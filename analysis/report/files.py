@@ -1,4 +1,6 @@
-"""The report in four forms, all from the same values: JSON, CSV, Markdown and one self-contained HTML page."""
+"""The report in four forms, all from the same values: JSON, CSV, Markdown and one self-contained
+HTML page.
+"""
 
 import json
 from pathlib import Path
@@ -11,13 +13,16 @@ if TYPE_CHECKING:
 __all__ = ["read_report", "write_report"]
 
 
-def write_report(report: "Report", out_dir: Path | str, figures: bool = True, png: bool = False) -> tuple[Path, ...]:
-    """Write report.csv, report.md, report.html and report.json into out_dir (made where missing); return the paths.
+def write_report(
+    report: "Report", out_dir: Path | str, figures: bool = True, png: bool = False
+) -> tuple[Path, ...]:
+    """Write report.csv, report.md, report.html and report.json into out_dir (made where missing);
+    return the paths.
 
     Every file is whole or the old one; report.json is the last to be replaced.
 
-    figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as well. Equal reports
-    give equal bytes: no date, path or machine is in them.
+    figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as
+    well. Equal reports give equal bytes: no date, path or machine is in them.
     """
     from analysis.report.csv import csv_text
     from analysis.report.html import html_text
@@ -40,7 +45,8 @@ def write_report(report: "Report", out_dir: Path | str, figures: bool = True, pn
 
 
 def read_report(path: Path | str) -> "Report":
-    """Read a report.json back, or the one in a folder. OSError; AnalysisError where it is damaged, naming the place.
+    """Read a report.json back, or the one in a folder. OSError; AnalysisError where it is damaged,
+    naming the place.
 
     Keys that this version does not know are passed over.
     """

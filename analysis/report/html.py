@@ -22,11 +22,17 @@ WIDE = 14  # characters: longer words take a line of a phone's card
 
 
 def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
-    """The report as a page without any outside reference: what was tested and the verdict first, then the sections."""
+    """The report as a page without any outside reference: what was tested and the verdict first,
+    then the sections.
+    """
     name = report.protocol or "session"
     passes = report.passes
     found = f"<p class='result'>{escape(wording.headline(report))}</p>"
-    checks = "<ul>" + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report)) + "</ul>"
+    checks = (
+        "<ul>"
+        + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report))
+        + "</ul>"
+    )
     more = "".join(f"<p>{escape(text)}</p>" for text in wording.found(report))
     why = "".join(f"<p class='result'>{escape(text)}</p>" for text in wording.failures(report))
     head = [
@@ -40,17 +46,30 @@ def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
         ),
         f"<section class='verdict {'good' if passes else 'bad'}' aria-labelledby='verdict'>",
         f"<h2 id='verdict'>Verdict: {escape(wording.verdict_line(report).lower())}</h2>",
-        (found if passes else why + found.replace(" class='result'", "")) + more + checks + "</section>",
-        *(f"<p class='lead'><strong>{escape(text)}</strong></p>" for text in mistake_sentences(report)),
-        *(f"<section>{_table(table, f'm{n}')}</section>" for n, table in enumerate(mistake_tables(report))),
+        (found if passes else why + found.replace(" class='result'", ""))
+        + more
+        + checks
+        + "</section>",
+        *(
+            f"<p class='lead'><strong>{escape(text)}</strong></p>"
+            for text in mistake_sentences(report)
+        ),
+        *(
+            f"<section>{_table(table, f'm{n}')}</section>"
+            for n, table in enumerate(mistake_tables(report))
+        ),
         *(f"<p>{escape(text)}</p>" for text in fidelity_sentences(report)),
     ]
     shown = sections(report) if parts is None else parts
-    tail = [_file(name, text) for name, text in (report.resolved.files() if report.resolved else ())]
+    tail = [
+        _file(name, text) for name, text in (report.resolved.files() if report.resolved else ())
+    ]
     return page(f"{name}: agreement report", head, shown, tail)
 
 
-def page(title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterable[str] = ()) -> str:
+def page(
+    title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterable[str] = ()
+) -> str:
     """A page from its title, its first elements (HTML), sections, and what stands last (HTML)."""
     body = [*head, *(_section(section, number) for number, section in enumerate(parts)), *tail]
     return (
@@ -71,17 +90,18 @@ def _section(section: Section, number: int) -> str:
     parts = [f"<p>{escape(text)}</p>" for text in section.sentences]
     alone = len(section.plots) + len(section.tables) == 1
     parts += [_figure(plot, not alone) for plot in section.plots]
-    parts += [_table(table, f"t{number}-{place}", not alone) for place, table in enumerate(section.tables)]
+    parts += [
+        _table(table, f"t{number}-{place}", not alone) for place, table in enumerate(section.tables)
+    ]
     return f"<section><h2>{escape(section.title)}</h2>{''.join(parts)}</section>"
 
 
 def _figure(plot: Plot, titled: bool = True) -> str:
     panels = "".join(
-        svg_text(panel, f"{plot.title}: {panel.title}" if panel.title else plot.title) for panel in plot.panels
+        svg_text(panel, f"{plot.title}: {panel.title}" if panel.title else plot.title)
+        for panel in plot.panels
     )
-    drawn = (
-        f"<figure><div class='panels'>{panels}</div><figcaption class='note'>{escape(plot.alt)}</figcaption></figure>"
-    )
+    drawn = f"<figure><div class='panels'>{panels}</div><figcaption class='note'>{escape(plot.alt)}</figcaption></figure>"
     if plot.name.endswith("_log"):
         return f"<details class='switch'><summary>{escape(plot.title)}</summary>{drawn}</details>"
     return f"<h3>{escape(plot.title)}</h3>{drawn}" if titled else drawn
@@ -89,10 +109,13 @@ def _figure(plot: Plot, titled: bool = True) -> str:
 
 def _table(table: Table, name: str, titled: bool = True) -> str:
     """A table with its note; on a phone each row is a card, every value after its column's name."""
-    head = "".join(f"<th scope='col'><button type='button'>{escape(text)}</button></th>" for text in table.head)
+    head = "".join(
+        f"<th scope='col'><button type='button'>{escape(text)}</button></th>" for text in table.head
+    )
     rows = "\n".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in table.rows)
     labels = "".join(
-        f"#{name} td:nth-child({place})::before{{content:{_quoted(text)}}}" for place, text in enumerate(table.head, 1)
+        f"#{name} td:nth-child({place})::before{{content:{_quoted(text)}}}"
+        for place, text in enumerate(table.head, 1)
     )
     title = f"<h3>{escape(table.title)}</h3>" if titled else ""
     drawn = (
@@ -114,6 +137,8 @@ def _cell(cell: Cell) -> str:
     if cell.value is None and cell.numeric:
         return f"<td class='n'>{escape(cell.text)}</td>"
     if cell.value is None:
-        wrap = " class='t'" if len(cell.text) > LONG else " class='w'" if len(cell.text) > WIDE else ""
+        wrap = (
+            " class='t'" if len(cell.text) > LONG else " class='w'" if len(cell.text) > WIDE else ""
+        )
         return f"<td{wrap}>{escape(cell.text)}</td>"
     return f"<td class='n' data-v='{cell.value:.17g}'>{escape(cell.text)}</td>"

@@ -1,8 +1,9 @@
-"""The JSON Schemas of report.json (rig/agreement/1) and comparison.json (rig/comparison/1), for readers that are not
-ours: made from the classes of analysis.results, whose docstrings and docs/report.md have the meanings.
+"""The JSON Schemas of report.json (rig/agreement/2) and comparison.json (rig/comparison/1), for
+readers that are not ours: made from the classes of analysis.results, whose docstrings and
+docs/report.md have the meanings.
 
-SI units, energies in J per cycle. Null stands for what is not known. Further keys may be added under the same schema;
-those that are required here stay.
+SI units, energies in J per cycle. Null stands for what is not known. Further keys may be added
+under the same schema; those that are required here stay.
 """
 
 from collections.abc import Mapping

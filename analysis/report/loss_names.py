@@ -1,4 +1,6 @@
-"""What the losses outside the grains are called: by their law. The paper's words for two of them explain nothing."""
+"""What the losses outside the grains are called: by their law. The paper's words for two of them
+explain nothing.
+"""
 
 from analysis.report.tables.cells import significant
 from analysis.results.cause_row import Span
@@ -6,15 +8,24 @@ from analysis.results.report import Report
 
 __all__ = ["EXPLAINED", "first_principles", "loss_name", "losses_sentence"]
 
-LAWS = {"noise": ("viscous", "sound that the box radiates"), "air": ("quadratic", "drag of the air on the box")}
-"""Law of a loss by its name in the protocol, and what the paper's word for it would be by first principles."""
+LAWS = {
+    "noise": ("viscous", "sound that the box radiates"),
+    "air": ("quadratic", "drag of the air on the box"),
+}
+"""Law of a loss by its name in the protocol, and what the paper's word for it would be by first
+principles.
+"""
 
 EXPLAINED = 1.0
-"""Times first principles up to which the paper's word may explain a loss: the drag is a ceiling already."""
+"""Times first principles up to which the paper's word may explain a loss: the drag is a ceiling
+already.
+"""
 
 
 def loss_name(name: str, report: Report) -> str:
-    """A loss or cause as it is displayed, e.g. "unexplained viscous loss (the paper's noise)"; others as they are."""
+    """A loss or cause as it is displayed, e.g. "unexplained viscous loss (the paper's noise)";
+    others as they are.
+    """
     if name not in LAWS:
         return name
     over = _over(name, report)
@@ -38,7 +49,9 @@ def first_principles(name: str, report: Report) -> str:
 
 
 def losses_sentence(report: Report) -> str:
-    """What the stand loses outside the grains and nobody has explained; "" for records and for a stand without."""
+    """What the stand loses outside the grains and nobody has explained; "" for records and for a
+    stand without.
+    """
     if not report.synthetic:
         return ""
     told = []
@@ -60,4 +73,8 @@ def _over(name: str, report: Report) -> Span | None:
 
 def _rounded(value: float) -> str:
     """Three digits, thousands apart: 12 200, 317 000."""
-    return f"{float(f'{value:.3g}'):,.0f}".replace(",", " ") if value >= 1000 else significant(value, 3)
+    return (
+        f"{float(f'{value:.3g}'):,.0f}".replace(",", " ")
+        if value >= 1000
+        else significant(value, 3)
+    )

@@ -27,11 +27,18 @@ _BLOCK = re.compile(r"^[-+=]|^\d{1,9}[.)](?=\s|$)")
 def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str:
     """The report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
     name = report.protocol or "session"
-    lines = [f"# {plain(name)}: agreement of measured and predicted dissipation", plain(wording.tested(report))]
+    lines = [
+        f"# {plain(name)}: agreement of measured and predicted dissipation",
+        plain(wording.tested(report)),
+    ]
     if report.question:
         lines.append(f"Question: {plain(report.question)}")
     lines += [
-        *(plain(text) for text in (wording.waveform(report), wording.support(report), losses_sentence(report)) if text),
+        *(
+            plain(text)
+            for text in (wording.waveform(report), wording.support(report), losses_sentence(report))
+            if text
+        ),
         f"## Verdict: {plain(wording.verdict_line(report))}",
         *(f"**{plain(text)}**" for text in wording.failures(report)),
         plain(wording.headline(report)),
@@ -65,7 +72,9 @@ def _table(table: Table) -> str:
 
 
 def plain(text: str) -> str:
-    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or hidden."""
+    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or
+    hidden.
+    """
     return _BLOCK.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", _inline(text))
 
 

@@ -1,4 +1,6 @@
-"""What stands below the verdict, in the order in which it is read: page and Markdown are both made from it."""
+"""What stands below the verdict, in the order in which it is read: page and Markdown are both made
+from it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,27 +35,61 @@ class Section:
 def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
     """The sections that have anything to show."""
 
-    def part(title: str, plots: Sequence[Plot | None], *found: Table, sentences: Sequence[str] = ()) -> Section:
+    def part(
+        title: str, plots: Sequence[Plot | None], *found: Table, sentences: Sequence[str] = ()
+    ) -> Section:
         drawn = tuple(plot for plot in plots if plot is not None) if figures else ()
-        return Section(title, tuple(sentences), drawn, tuple(table for table in found if table.rows))
+        return Section(
+            title, tuple(sentences), drawn, tuple(table for table in found if table.rows)
+        )
 
     made = (
         part("Flags", (), tables.flags(report)),
-        part("Energy per cycle", energy_plots(report), tables.conditions(report), tables.recorded(report),
-             tables.coil(report), at_box(report)),
-        part("Offset of measured from predicted", (offset_plot(report),), tables.comparisons(report)),
-        part("Nulls and references", (nulls_plot(report),), tables.nulls(report), tables.references(report)),
-        part("Where the offset comes from", (terms_plot(report),), offset_terms(report), causes(report)),
+        part(
+            "Energy per cycle",
+            energy_plots(report),
+            tables.conditions(report),
+            tables.recorded(report),
+            tables.coil(report),
+            at_box(report),
+        ),
+        part(
+            "Offset of measured from predicted", (offset_plot(report),), tables.comparisons(report)
+        ),
+        part(
+            "Nulls and references",
+            (nulls_plot(report),),
+            tables.nulls(report),
+            tables.references(report),
+        ),
+        part(
+            "Where the offset comes from",
+            (terms_plot(report),),
+            offset_terms(report),
+            causes(report),
+        ),
         part("Uncertainty", (), tables.budget(report), tables.budget_of_W_T(report)),
         part("Sweeps", (sweep_plot(report),), sweeps(report)),
         part("Waveforms", (waveform_plot(report),)),
         part("Cycles and runs", (repeats_plot(report),)),
         part("What was claimed", (), tables.claims(report)),
-        part("Instruments and values", (), tables.instruments(report), tables.values(report), fidelity(report)),
-        part("To reproduce", (), sentences=[f"{command}: {why}" for command, why in wording.again(report)]),
+        part(
+            "Instruments and values",
+            (),
+            tables.instruments(report),
+            tables.values(report),
+            fidelity(report),
+        ),
+        part(
+            "To reproduce",
+            (),
+            sentences=[f"{command}: {why}" for command, why in wording.again(report)],
+        ),
         part("Difference against mean", (bland_altman(report),)),
-    )  # fmt: skip
-    return tuple(section for section in made if section.plots or section.tables or section.sentences)
+    )
+    return tuple(
+        section for section in made if section.plots or section.tables or section.sentences
+    )
 
 
 def plots(report: Report) -> tuple[Plot, ...]:

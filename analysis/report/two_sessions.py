@@ -25,8 +25,8 @@ NAMES = {"material": "material", "density": "density", "diameter": "diameter", "
 
 
 def write_comparison(found: Comparison, out_dir: Path) -> tuple[Path, ...]:
-    """Write the comparison (analysis.comparison.two_sessions.compare) into out_dir, made where missing; the paths.
-    Equal comparisons give equal bytes."""
+    """Write the comparison (analysis.comparison.two_sessions.compare) into out_dir, made where
+    missing; the paths. Equal comparisons give equal bytes."""
     name = " against ".join(session.name for session in reversed(found.sessions))
     parts, told = _sections(found), comparison_sentences(found)
     head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(told[0])}</p>", "<section class='verdict good'>",
@@ -46,7 +46,12 @@ def write_comparison(found: Comparison, out_dir: Path) -> tuple[Path, ...]:
 def comparison_sentences(found: Comparison) -> tuple[str, ...]:
     """What was compared, the finding, ranks, what was left out and what was assumed."""
     a, b = (_who(session) for session in found.sessions)
-    return tuple(filter(None, (f"A is {a}. B is {b}.", _overall(found), _single(found), _ranks(found), _basis(found))))
+    return tuple(
+        filter(
+            None,
+            (f"A is {a}. B is {b}.", _overall(found), _single(found), _ranks(found), _basis(found)),
+        )
+    )
 
 
 def _who(session: ComparedSession) -> str:
@@ -86,7 +91,11 @@ def _single(found: Comparison) -> str:
     sure = [row for row in rows if row.significant]
     if not rows:
         return ""
-    names = f": {', '.join(row.A for row in sure[:8])}{' and more' if len(sure) > 8 else ''}" if sure else ""
+    names = (
+        f": {', '.join(row.A for row in sure[:8])}{' and more' if len(sure) > 8 else ''}"
+        if sure
+        else ""
+    )
     alone = [row for row in sure if min(row.runs_A, row.runs_B) == 1]
     refilled = (
         f" Of these {len(alone)} with a single run in a session: its U lacks the scatter between refills, and another "
@@ -122,10 +131,20 @@ def _basis(found: Comparison) -> str:
         else "The instruments of the two sessions are taken for different ones: their errors do not cancel."
     )
     left_out = len(found.alone)
-    alone = f"{counted(left_out, 'condition')} {'is' if left_out == 1 else 'are'}" if left_out else "No condition is"
+    alone = (
+        f"{counted(left_out, 'condition')} {'is' if left_out == 1 else 'are'}"
+        if left_out
+        else "No condition is"
+    )
     keys = ", ".join(NAMES[name] for name in found.matched_by)
-    unknown = [name for name in found.matched_by if any(name in row.not_compared for row in found.pairs)]
-    left = f"Not compared, because one of both does not know it: {', '.join(unknown)}. " if unknown else ""
+    unknown = [
+        name for name in found.matched_by if any(name in row.not_compared for row in found.pairs)
+    ]
+    left = (
+        f"Not compared, because one of both does not know it: {', '.join(unknown)}. "
+        if unknown
+        else ""
+    )
     return (
         f"Matched by {keys}, where both know them; bed and drive may differ. {left}{alone} left "
         f"out. {same} Levels up to {100 * FARTHEST:.0f} % apart are matched, the nearest; "
@@ -146,19 +165,35 @@ def _sections(found: Comparison) -> tuple[Section, ...]:
 
 
 def _plots(found: Comparison) -> tuple[Plot, ...]:
-    told = [(row, row.relative, row.U_relative or 0.0) for row in found.pairs if row.relative is not None]
+    told = [
+        (row, row.relative, row.U_relative or 0.0)
+        for row in found.pairs
+        if row.relative is not None
+    ]
     if not told:
         return ()
     rows = [row for row, _, _ in told]
     W_A, W_B = [1e3 * row.W_A for row in rows], [1e3 * row.W_B for row in rows]
     both = [*W_A, *W_B]
-    against = Panel(logarithmic(both), logarithmic(both), "W of A, mJ per cycle", "W of B, mJ per cycle", "B against A")
+    against = Panel(
+        logarithmic(both),
+        logarithmic(both),
+        "W of A, mJ per cycle",
+        "W of B, mJ per cycle",
+        "B against A",
+    )
     ends = (min(both), max(both))
     against.line(ends, ends, GREY, 1.0, "5 3")
     against.bars(W_A, W_B, [1e3 * row.U_B for row in rows], BLUE)
     offset, U = [100 * relative for _, relative, _ in told], [100 * U for _, _, U in told]
     limits = [y + sign * half for y, half in zip(offset, U, strict=True) for sign in (-1, 1)]
-    apart = Panel(logarithmic(W_A), linear([*limits, 0.0]), "W of A, mJ per cycle", "B over A − 1, %", "Difference")
+    apart = Panel(
+        logarithmic(W_A),
+        linear([*limits, 0.0]),
+        "W of A, mJ per cycle",
+        "B over A − 1, %",
+        "Difference",
+    )
     over = found.overall
     if over is not None:
         apart.spread(100 * (over.relative - over.U), 100 * (over.relative + over.U), ORANGE, 0.2)
@@ -174,7 +209,9 @@ def _plots(found: Comparison) -> tuple[Plot, ...]:
         ("dash", GREY, "equal"),
         ("line", ORANGE, "energy-weighted, with U"),
     ]
-    return (Plot("comparison", "B against A", alt, (legend(words), against.drawing(), apart.drawing())),)
+    return (
+        Plot("comparison", "B against A", alt, (legend(words), against.drawing(), apart.drawing())),
+    )
 
 
 def _pairs(found: Comparison) -> Table:
@@ -183,14 +220,25 @@ def _pairs(found: Comparison) -> Table:
             "B − A, mJ", "B − A, %", "E_n", "p, Holm", "significant")  # fmt: skip
     rows = tuple(
         (
-            Cell(row.A), Cell(row.B), Cell(_grains(row)), _setting(row.fill, 100), _setting(row.frequency),
-            _setting(row.acceleration_A), _setting(row.acceleration_B), Cell(row.bed_A), Cell(row.bed_B),
-            with_U(row.W_A, row.U_A, 1e3), with_U(row.W_B, row.U_B, 1e3),
-            with_U(row.difference, row.U_difference, 1e3), with_U(row.relative, row.U_relative, 100),
-            fixed(row.E_n, 2), number(row.p_holm, 2), Cell("yes" if row.significant else "no"),
+            Cell(row.A),
+            Cell(row.B),
+            Cell(_grains(row)),
+            _setting(row.fill, 100),
+            _setting(row.frequency),
+            _setting(row.acceleration_A),
+            _setting(row.acceleration_B),
+            Cell(row.bed_A),
+            Cell(row.bed_B),
+            with_U(row.W_A, row.U_A, 1e3),
+            with_U(row.W_B, row.U_B, 1e3),
+            with_U(row.difference, row.U_difference, 1e3),
+            with_U(row.relative, row.U_relative, 100),
+            fixed(row.E_n, 2),
+            number(row.p_holm, 2),
+            Cell("yes" if row.significant else "no"),
         )
         for row in found.pairs
-    )  # fmt: skip
+    )
     note = (
         "a: the level reached. The difference in per cent is left out where one of both is below its detection limit "
         "or its U."

@@ -51,7 +51,7 @@ def waveform(report: Report) -> str:
     origin = "All signals are synthetic." if report.synthetic else "The signals were measured."
     if only_sweeps(report) and report.synthetic:
         return f"{origin} The box moves as exciter and bed let it."
-    shaken = [row.thd_acceleration for row in report.conditions if row.drive == "coupled"]
+    shaken = [row.thd_acceleration for row in report.conditions if row.drive == "shaker"]
     told = [value for value in shaken if value is not None]
     if told:
         given = " W_T is given on a sine of the same fundamental and on the recorded waveform."
@@ -144,9 +144,7 @@ def _ruled(put_in: float | None) -> str:
     """That the losses of the box hide the prediction, where they are the larger."""
     if put_in is None or put_in <= 1:
         return ""
-    return (
-        f": the losses of the box, which the rig file puts in, dominate with {significant(put_in, 2)} times that energy"
-    )
+    return f": the losses of the box, which the rig file puts in, dominate with {significant(put_in, 2)} times that energy"
 
 
 def _measured(report: Report) -> str:
@@ -160,7 +158,9 @@ def _measured(report: Report) -> str:
 
 
 def found(report: Report) -> tuple[str, ...]:
-    """What else belongs to the verdict: the slope, the mean offset and what dominates it, refills, claims, flags."""
+    """What else belongs to the verdict: the slope, the mean offset and what dominates it, refills,
+    claims, flags.
+    """
     parts = (_on_recorded, _line, _mean_offset, _nominal, _coverage, _claims, _flags)
     return tuple(filter(None, (part(report) for part in parts)))
 
@@ -236,8 +236,12 @@ def _beyond(share: float) -> str:
 
 
 def _coverage(report: Report) -> str:
-    """What the stated intervals hold where refills scatter with a large skew, and how many refills mend it."""
-    known = [(row.refill_coverage, row.refill_coverage_plain or 0.0, row) for row in report.conditions]
+    """What the stated intervals hold where refills scatter with a large skew, and how many refills
+    mend it.
+    """
+    known = [
+        (row.refill_coverage, row.refill_coverage_plain or 0.0, row) for row in report.conditions
+    ]
     rows = [(share, plain, row) for share, plain, row in known if share is not None]
     if not rows:
         return ""
@@ -266,11 +270,25 @@ def _claims(report: Report) -> str:
     if not report.claims:
         return ""
     count = Counter(row.verdict for row in report.claims)
-    words = {"holds": "hold", "does not hold": "do not hold", "undecided": "are undecided", "imposed": "are imposed"}
+    words = {
+        "holds": "hold",
+        "does not hold": "do not hold",
+        "undecided": "are undecided",
+        "imposed": "are imposed",
+    }
     if len(report.claims) == 1:
         return f"The only claim: {report.claims[0].verdict}."
-    single = {"holds": "holds", "does not hold": "does not hold", "undecided": "is undecided", "imposed": "is imposed"}
-    told = [f"{count[word]} {(single if count[word] == 1 else words)[word]}" for word in words if count[word]]
+    single = {
+        "holds": "holds",
+        "does not hold": "does not hold",
+        "undecided": "is undecided",
+        "imposed": "is imposed",
+    }
+    told = [
+        f"{count[word]} {(single if count[word] == 1 else words)[word]}"
+        for word in words
+        if count[word]
+    ]
     return f"Of {len(report.claims)} claims {', '.join(told)}."
 
 
@@ -290,7 +308,9 @@ def again(report: Report) -> tuple[tuple[str, str], ...]:
     if not report.synthetic:
         return (again,)
     resolved = report.resolved
-    run = "repeats the whole session from its protocol, seed included; the session file holds it too."
+    run = (
+        "repeats the whole session from its protocol, seed included; the session file holds it too."
+    )
     if resolved is not None and resolved.protocol and resolved.rig:
         run = "repeats the whole session, seed included: both files are at the end of this page or in report.json."
         return ((f"rig run {name}.yaml --rig {name}_rig.yaml", run), again)

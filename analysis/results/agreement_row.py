@@ -25,9 +25,9 @@ class LineRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementRow:
-    """Energy-weighted ratio of W_exp and W_T with its U, slope through the origin, line, mean offset of n conditions;
-    put_in: losses that the rig file adds, as a fraction of the predicted energy; `.._recorded`: with W_T on the
-    recorded waveforms."""
+    """Energy-weighted ratio of W_exp and W_T with its U, slope through the origin, line, mean
+    offset of n conditions; put_in: losses that the rig file adds, as a fraction of the predicted
+    energy; `.._recorded`: with W_T on the recorded waveforms."""
 
     ratio: float | None
     U_ratio: Size
@@ -46,7 +46,9 @@ class AgreementRow:
 
 @dataclass(frozen=True, slots=True)
 class ComparisonRow:
-    """One of the three comparisons: W_exp against what, of n conditions how many within U, and what it cannot tell."""
+    """One of the three comparisons: W_exp against what, of n conditions how many within U, and what
+    it cannot tell.
+    """
 
     comparison: str
     against: str

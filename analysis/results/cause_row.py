@@ -30,9 +30,10 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class CauseRow:
-    """share: of W_T, weighted with energy; empty and locked: energy left in the empty box and in a locked bed over the
-    largest W_T at the same level, from the run or computed; over_first_principles: the loss's coefficient over its size
-    by first principles, None for other causes and where nobody computed it."""
+    """share: of W_T, weighted with energy; empty and locked: energy left in the empty box and in a
+    locked bed over the largest W_T at the same level, from the run or computed;
+    over_first_principles: the loss's coefficient over its size by first principles, None for other
+    causes and where nobody computed it."""
 
     cause: str
     law: str

@@ -1,9 +1,11 @@
-"""An independent estimate of the dissipated energy: from the current in the exciter's coil, without the force gauge.
+"""An independent estimate of the dissipated energy: from the current in the exciter's coil, without
+the force gauge.
 
-The coil's force BL i moves armature, flexure, body and stinger besides the box. With the exciter known, the force at
-the gauge plane follows from current and box acceleration, harmonic by harmonic; its work on the box is W_coil. Flexure
-tare, recoil of the body and stretch of the stinger are in it; left out is what lies above the band in which the current
-tells the force (half the resonance of the armature on its stinger), and everything that is not linear.
+The coil's force BL i moves armature, flexure, body and stinger besides the box. With the exciter
+known, the force at the gauge plane follows from current and box acceleration, harmonic by harmonic;
+its work on the box is W_coil. Flexure tare, recoil of the body and stretch of the stinger are in
+it; left out is what lies above the band in which the current tells the force (half the resonance of
+the armature on its stinger), and everything that is not linear.
 """
 
 import math
@@ -32,12 +34,15 @@ PARTS = (
 STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
 
 
-def coil_force(current: Complex, acceleration: Complex, frequency: float, exciter: SessionExciter) -> Complex:
-    """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration (m/s^2).
+def coil_force(
+    current: Complex, acceleration: Complex, frequency: float, exciter: SessionExciter
+) -> Complex:
+    """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration
+    (m/s^2).
 
-    Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F:
-    m_a x_a'' + c_s (x_a' - x_b') + k_s (x_a - x_b) + F = BL i, m_b x_b'' + isolation - (..)_s = -BL i,
-    F = (k_st + j w c_st) (x_a - x).
+    Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F: m_a x_a'' + c_s
+    (x_a' - x_b') + k_s (x_a - x_b) + F = BL i, m_b x_b'' + isolation - (..)_s = -BL i, F = (k_st +
+    j w c_st) (x_a - x).
     """
     jw = 2j * np.pi * frequency * np.arange(1, current.size + 1)
 
@@ -45,7 +50,9 @@ def coil_force(current: Complex, acceleration: Complex, frequency: float, excite
         return np.asarray(k + jw * (2 * damping_ratio * math.sqrt(k * m)))
 
     flexure = spring(exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass)
-    isolation = spring(exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass)
+    isolation = spring(
+        exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass
+    )
     body = exciter.body_mass * jw**2 + isolation + flexure
     stinger = exciter.stinger_stiffness + jw * exciter.stinger_damping
     thrust = exciter.force_constant * current * (1 - flexure / body)
@@ -53,9 +60,11 @@ def coil_force(current: Complex, acceleration: Complex, frequency: float, excite
     return np.asarray((thrust - carried * acceleration / jw**2) / (1 + carried / stinger))
 
 
-def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: SessionExciter, samples: int) -> Coil:
-    """W_coil of a run from its current phasors (A) and its energies; exciter: the session's document, certified values
-    and their U. samples: in the window."""
+def coil_of(
+    current: Complex, energy: Energy, channel: ChannelFacts, exciter: SessionExciter, samples: int
+) -> Coil:
+    """W_coil of a run from its current phasors (A) and its energies; exciter: the session's
+    document, certified values and their U. samples: in the window."""
     orders = min(current.size, int(exciter.band / energy.frequency))
     i, A = current[:orders], energy.acceleration[:orders]
     frequency = energy.frequency
@@ -75,14 +84,21 @@ def coil_of(current: Complex, energy: Energy, channel: ChannelFacts, exciter: Se
         Line("current gain", "1", channel.gain_tolerance / math.sqrt(3), math.inf, per_current),
         Line("force constant", "1", constant_U / 2, CERTIFICATE_NU, per_current),
         *(
-            Line(name.replace("_", " "), "1", parts_U / 2, CERTIFICATE_NU,
-                 slope(lambda factor, name=name: W(_scaled(exciter, name, factor))))  # type: ignore[misc]
+            Line(
+                name.replace("_", " "),
+                "1",
+                parts_U / 2,
+                CERTIFICATE_NU,
+                slope(lambda factor, name=name: W(_scaled(exciter, name, factor))),  # type: ignore[misc]
+            )
             for name in PARTS
         ),
         Line("above the coil's band", "J", above / math.sqrt(3), math.inf, 1.0),
-    ]  # fmt: skip
+    ]
     noise = exciter.force_constant * channel.noise_rms * energy.level / (4 * math.pi * frequency**2)
-    return Coil(W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples))
+    return Coil(
+        W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples)
+    )
 
 
 def _scaled(exciter: SessionExciter, part: str, factor: float) -> SessionExciter:
@@ -96,23 +112,36 @@ def coil_estimates(
 ) -> tuple[Estimate, Estimate]:
     """W_coil of a condition, and W_coil - W_exp, J per cycle.
 
-    lines: the budget of W_exp. An error of the acceleration (scale or angle) moves both alike and leaves the
-    difference; u_noise: J, of W_exp's mean.
+    lines: the budget of W_exp. An error of the acceleration (scale or angle) moves both alike and
+    leaves the difference; u_noise: J, of W_exp's mean.
     """
     n = len(coils)
     W = math.fsum(coil.W for coil in coils) / n
     own = [
-        replace(first, u=math.fsum(line.u for line in same) / n, c=math.fsum(line.c for line in same) / n)
-        for first, same in ((same[0], same) for same in zip(*(coil.lines for coil in coils), strict=False))
+        replace(
+            first,
+            u=math.fsum(line.u for line in same) / n,
+            c=math.fsum(line.c for line in same) / n,
+        )
+        for first, same in (
+            (same[0], same) for same in zip(*(coil.lines for coil in coils), strict=False)
+        )
     ]
     noise = math.sqrt(math.fsum(coil.u_noise**2 for coil in coils)) / n
     of_runs = scatter_line([coil.W for coil in coils], stretch_of(lines))
     scatter = [(line.part, line.nu) for line in of_runs] or [(noise, math.inf)]
-    shared = [line for line in lines if line.source.startswith(("acceleration", "clock", "arithmetic"))]
+    shared = [
+        line for line in lines if line.source.startswith(("acceleration", "clock", "arithmetic"))
+    ]
     total = combine(W, [*scatter, *((line.part, line.nu) for line in (*own, *shared))])
     gauge = [(line.part, line.nu) for line in lines if line.source.startswith("force")]
     apart = math.fsum(coil.W - energy.W for coil, energy in zip(coils, energies, strict=True)) / n
-    between = [*gauge, *((line.part, line.nu) for line in own), (noise, math.inf), (u_noise, math.inf)]
+    between = [
+        *gauge,
+        *((line.part, line.nu) for line in own),
+        (noise, math.inf),
+        (u_noise, math.inf),
+    ]
     return total, combine(apart, between)
 
 

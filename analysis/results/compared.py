@@ -1,4 +1,6 @@
-"""The comparison of two sessions: its fields are the keys of comparison.json, whose meanings are in docs/report.md."""
+"""The comparison of two sessions: its fields are the keys of comparison.json, whose meanings are in
+docs/report.md.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +10,15 @@ from analysis.session.record import AnalysisError
 from daq.documents.classes import DocumentError, from_document, to_document
 from daq.documents.shapes import List, Number, Text
 
-__all__ = ["SCHEMA", "ComparedPair", "ComparedSession", "Comparison", "OverallDifference", "RankOrder", "Unmatched"]
+__all__ = [
+    "SCHEMA",
+    "ComparedPair",
+    "ComparedSession",
+    "Comparison",
+    "OverallDifference",
+    "RankOrder",
+    "Unmatched",
+]
 
 SCHEMA = "rig/comparison/1"
 AtLeastZero = Annotated[float, Number(0.0)]
@@ -37,8 +47,8 @@ class ComparedSession:
 
 @dataclass(frozen=True, slots=True)
 class ComparedPair:
-    """Two conditions with equal settings; difference: B less A, J per cycle; relative: over A, None where one of both
-    does not stand out; not_compared: settings that one of both does not know."""
+    """Two conditions with equal settings; difference: B less A, J per cycle; relative: over A, None
+    where one of both does not stand out; not_compared: settings that one of both does not know."""
 
     A: str
     B: str
@@ -91,8 +101,8 @@ class OverallDifference:
 
 @dataclass(frozen=True, slots=True)
 class RankOrder:
-    """Kendall's tau over n pairs with its 95 % interval; of all orders of two conditions those that are opposite, and
-    those that both sessions decide so."""
+    """Kendall's tau over n pairs with its 95 % interval; of all orders of two conditions those that
+    are opposite, and those that both sessions decide so."""
 
     n: Count
     tau: Tau
@@ -121,8 +131,8 @@ class Comparison:
 
     @classmethod
     def of(cls, document: Mapping[str, Any], name: str = "comparison.json") -> "Comparison":
-        """Return the comparison that a comparison.json holds. AnalysisError with the first key that is missing or
-        wrong."""
+        """Return the comparison that a comparison.json holds. AnalysisError with the first key that
+        is missing or wrong."""
         try:
             return from_document(cls, document)
         except DocumentError as error:

@@ -1,4 +1,6 @@
-"""One condition's line of the report: mean over its runs, uncertainty, and what the prediction says at its level."""
+"""One condition's line of the report: mean over its runs, uncertainty, and what the prediction says
+at its level.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -37,13 +39,14 @@ __all__ = ["Result", "evaluate"]
 class Result:
     """A condition evaluated.
 
-    W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle. lines: the budget.
-    detect: J per cycle, below which W is not told from a phase error. predicted: at the runs' measured
-    accelerations, nothing without a prediction. coil, coil_apart: W_coil, and W_coil -
-    W_exp, where the coil's current is recorded in every run. recorded: the prediction on the recorded waveforms. pairs:
-    (W_exp, W_T) of each run, J per cycle; empty without a prediction. model: W_T over its nominal value, for draws of
-    the model's parameters; empty where none were given. refills: the same for beds poured anew.
-    mass: apparent mass, kg; loss: the loss factor. beyond: there is a prediction, but not for the level of a run.
+    W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle.
+    lines: the budget. detect: J per cycle, below which W is not told from a phase error. predicted:
+    at the runs' measured accelerations, nothing without a prediction. coil, coil_apart: W_coil, and
+    W_coil - W_exp, where the coil's current is recorded in every run. recorded: the prediction on
+    the recorded waveforms. pairs: (W_exp, W_T) of each run, J per cycle; empty without a
+    prediction. model: W_T over its nominal value, for draws of the model's parameters; empty where
+    none were given. refills: the same for beds poured anew. mass: apparent mass, kg; loss: the loss
+    factor. beyond: there is a prediction, but not for the level of a run.
     """
 
     setting: Setting
@@ -85,9 +88,14 @@ class Result:
 
 
 def evaluate(
-    setting: Setting, runs: Sequence[RunEnergy], entry: PredictionEntry | None, channels: Mapping[str, ChannelFacts]
+    setting: Setting,
+    runs: Sequence[RunEnergy],
+    entry: PredictionEntry | None,
+    channels: Mapping[str, ChannelFacts],
 ) -> Result:
-    """Evaluate a condition from its runs (one at least) and its entry of the prediction document (None for none)."""
+    """Evaluate a condition from its runs (one at least) and its entry of the prediction document
+    (None for none).
+    """
     force, acceleration = channels["force"], channels["acceleration"]
     n = len(runs)
     W = math.fsum(run.energy.W for run in runs) / n
@@ -96,7 +104,9 @@ def evaluate(
     W_T, exponent = predicted.W_T, predicted.exponent
     # A condition measured once has no scatter: the instruments' noise stands in for it.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
-    noise_line = (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
+    noise_line = (
+        (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
+    )
     certified = (
         *certificate_lines(
             force,
@@ -106,7 +116,10 @@ def evaluate(
             reactive,
             W_T or 0.0,
             exponent or 0.0,
-            (max(abs(complex(run.energy.force[0])) for run in runs), max(run.energy.level for run in runs)),
+            (
+                max(abs(complex(run.energy.force[0])) for run in runs),
+                max(run.energy.level for run in runs),
+            ),
         ),
         *resolution_lines(W, reactive),
     )
@@ -117,7 +130,11 @@ def evaluate(
     angle = angle_uncertainty(force, acceleration, setting.frequency)
     pairs = tuple(zip((run.energy.W for run in runs), totals, strict=True)) if totals else ()
     coils = [run.coil for run in runs if run.coil is not None]
-    by_coil = coil_estimates([run.energy for run in runs], coils, lines, noise) if len(coils) == n else (None, None)
+    by_coil = (
+        coil_estimates([run.energy for run in runs], coils, lines, noise)
+        if len(coils) == n
+        else (None, None)
+    )
     mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
     return Result(
         setting=setting,
@@ -144,8 +161,9 @@ def evaluate(
 def _predicted(
     runs: Sequence[RunEnergy], entry: PredictionEntry | None
 ) -> tuple[Predicted, list[float], tuple[Line, ...]]:
-    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each run, and the lines of
-    the budget that are the prediction's own; nothing where a run's level is beyond the prediction's."""
+    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each
+    run, and the lines of the budget that are the prediction's own; nothing where a run's level is
+    beyond the prediction's."""
     if entry is None:
         return Predicted(), [], ()
     prediction = entry.curves()
@@ -160,7 +178,7 @@ def _predicted(
         W_f=math.fsum(prediction.friction(level) for level in levels) / n,
         W_c=math.fsum(prediction.collision(level) for level in levels) / n,
         exponent=prediction.total.exponent(math.fsum(levels) / n),
-        W_T_paper=middle(entry.W_T_paper, a),
+        W_T_as_printed=middle(entry.W_T_as_printed, a),
         bound=middle(entry.bound, a),
         period=middle(entry.period, a),
         periodic_share=middle(entry.periodic_share, a),
@@ -168,9 +186,11 @@ def _predicted(
     return found, totals, prediction_lines(prediction, W_T)
 
 
-def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]) -> Estimate | None:
-    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through the stinger, W_exp
-    holds what that loses."""
+def _chain(
+    setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]
+) -> Estimate | None:
+    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through
+    the stinger, W_exp holds what that loses."""
     columns = (*DISSIPATED, STINGER) if setting.through_stinger else DISSIPATED
     ledgers = [run.ledger for run in runs if run.ledger is not None]
     if len(ledgers) < len(runs):
@@ -180,13 +200,16 @@ def _chain(setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequenc
 
 
 def box_distortion(run: RunEnergy, setting: Setting) -> float | None:
-    """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's force over the mass that
-    they would shake, relative to the fundamental; as measured where the box is on an exciter. None without motion."""
+    """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's
+    force over the mass that they would shake, relative to the fundamental; as measured where the
+    box is on an exciter. None without motion."""
     energy = run.energy
     if not energy.level:
         return None
-    if setting.drive != "servo":
+    if setting.drive != "prescribed":
         return energy.thd_acceleration
-    on_box = net_of_mass(energy.force[1:], energy.acceleration[1:], setting.box_mass + setting.gauge_mass)
+    on_box = net_of_mass(
+        energy.force[1:], energy.acceleration[1:], setting.box_mass + setting.gauge_mass
+    )
     moved = setting.box_mass + setting.gauge_mass + setting.moving_mass
     return float(np.linalg.norm(on_box)) / moved / energy.level if moved else None

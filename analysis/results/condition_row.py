@@ -1,5 +1,5 @@
-"""A condition in the report, with its runs and its uncertainty budget. SI, energies in J per cycle, None for what is
-not known. docs/report.md has the meanings."""
+"""A condition in the report, with its runs and its uncertainty budget. SI, energies in J per cycle,
+None for what is not known. docs/report.md has the meanings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -20,8 +20,8 @@ Known = Annotated[float | None, Number(), LEFT_OUT]
 
 @dataclass(frozen=True, slots=True)
 class SourceRow:
-    """A line of an uncertainty budget: standard uncertainty u in `unit`, sensitivity c (J per unit), degrees of freedom
-    nu (None: without bound) and the part of u^2 that it makes."""
+    """A line of an uncertainty budget: standard uncertainty u in `unit`, sensitivity c (J per
+    unit), degrees of freedom nu (None: without bound) and the part of u^2 that it makes."""
 
     source: str
     unit: str
@@ -53,8 +53,8 @@ class RunRow:
 
 @dataclass(frozen=True, slots=True)
 class OffsetTerms:
-    """The terms of an offset, which add up to it: fractions of W_T (in `analysis.comparison.offset_terms` of single
-    runs J per cycle)."""
+    """The terms of an offset, which add up to it: fractions of W_T (in
+    `analysis.comparison.offset_terms` of single runs J per cycle)."""
 
     noise: float
     air: float
@@ -114,13 +114,13 @@ class ConditionRow:
     U_W_T: Size
     W_f: float | None
     W_c: float | None
-    W_T_paper: float | None
+    W_T_as_printed: float | None
     bound: float | None
     exponent: float | None
     offset: float | None
     U_offset: Size
     E_n: float | None
-    E_n_chain: float | None
+    E_n_truth: float | None
     W_T_low: float | None = None
     W_T_high: float | None = None
     E_n_model: float | None = None

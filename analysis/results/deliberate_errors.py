@@ -1,13 +1,15 @@
-"""Deliberate mistakes: the wrong readings, and the rule that says beforehand how wrong each result comes out.
+"""Deliberate mistakes: the wrong readings, and the rule that says beforehand how wrong each result
+comes out.
 
-R = (pi/w^2) M_eff a^2 is what a phase error of 1 rad adds to W; eta = W/R the loss factor. Relative errors of W:
+R = (pi/w^2) M_eff a^2 is what a phase error of 1 rad adds to W; eta = W/R the loss factor. Relative
+errors of W:
 
     pole, skew, clock   dphi/eta, dphi the lead of the acceleration (the mean, where it slides)
-    corners             dphi/eta, less what the AC coupling takes of both amplitudes
-    cycles              sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta), n cycles from the drive's cycle start
-    coil                pi c a^2/w^3 of the armature's flexure, over W
-    offset              2 e/eta, e the offset over the level, integrated from rest without taking off any mean
-    friction            4 mu M g X, over W
+    corners             dphi/eta, less what the AC coupling takes of both amplitudes cycles
+    sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta), n cycles from the drive's cycle start coil
+    pi c a^2/w^3 of the armature's flexure, over W offset              2 e/eta, e the offset over
+    the level, integrated from rest without taking off any mean friction            4 mu M g X, over
+    W
 """
 
 import math
@@ -41,7 +43,9 @@ class Words:
 
 
 ANGLE = "error = dphi/eta"
-NOTHING = 1e-9  # loss factor of round-off: below it nothing was dissipated that an error could refer to
+NOTHING = (
+    1e-9  # loss factor of round-off: below it nothing was dissipated that an error could refer to
+)
 WORDS: Mapping[str, Words] = {
     "pole": Words(
         "the accelerometer's true time constant is {value:g} times the certified one, by which the record is corrected",
@@ -85,35 +89,51 @@ WORDS: Mapping[str, Words] = {
         "error = 4 mu M g X/W",
         "no angle: the locked bed's W, which grows as a and with the mass carried, not as a^2",
     ),
-}  # fmt: skip
+}
 
 
-def misread(energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array) -> Energy:
-    """A window's energies with W read wrongly where the mistake lies in the reading; unchanged otherwise.
+def misread(
+    energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array
+) -> Energy:
+    """A window's energies with W read wrongly where the mistake lies in the reading; unchanged
+    otherwise.
 
-    force (N), acceleration (m/s^2): the window's samples as recorded, a whole number to each of `energy.cycles` cycles.
+    force (N), acceleration (m/s^2): the window's samples as recorded, a whole number to each of
+    `energy.cycles` cycles.
     """
     points = force.size // energy.cycles
     step = 1 / (energy.frequency * points)
     if mistake.kind == "cycles":
-        return replace(energy, W=_broken_cycles(force, acceleration, step, points, float(mistake.value)))
+        return replace(
+            energy, W=_broken_cycles(force, acceleration, step, points, float(mistake.value))
+        )
     if mistake.kind == "offset":
         velocity = (np.cumsum(acceleration) - 0.5 * acceleration) * step
         return replace(energy, W=float(np.einsum("i,i->", force, velocity)) * step / energy.cycles)
     return energy
 
 
-def _broken_cycles(force: Array, acceleration: Array, step: float, points: int, cycles: float) -> float:
-    """W in J per cycle from the integral of F v dt over the first `cycles` cycles; means are those of the window."""
+def _broken_cycles(
+    force: Array, acceleration: Array, step: float, points: int, cycles: float
+) -> float:
+    """W in J per cycle from the integral of F v dt over the first `cycles` cycles; means are those
+    of the window.
+    """
     velocity = integral(acceleration - acceleration.mean(), step)
     power = (force - force.mean()) * (velocity - velocity.mean())
     last = min(round(cycles * points), power.size - 1)
     return float(power[: last + 1].sum() - 0.5 * (power[0] + power[last])) * step / cycles
 
 
-def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> MistakeReport | None:
+def deliberate(
+    results: Sequence[Result], channels: Mapping[str, ChannelFacts]
+) -> MistakeReport | None:
     """What was done wrong in a session on purpose; None where nothing was."""
-    made = [(result, result.setting.mistake) for result in results if result.setting.mistake is not None]
+    made = [
+        (result, result.setting.deliberate_error)
+        for result in results
+        if result.setting.deliberate_error is not None
+    ]
     if not made:
         return None
     kind, value = made[0][1].kind, float(made[0][1].value)
@@ -128,14 +148,18 @@ def deliberate(results: Sequence[Result], channels: Mapping[str, ChannelFacts]) 
     )
 
 
-def _row(result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]) -> MistakeRow:
+def _row(
+    result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
+) -> MistakeRow:
     found, name = result.W_exp.value, result.setting.id
     true = _true(result, mistake.kind)
     if true is None or not true > NOTHING * abs(result.mean("reactive")):
         return MistakeRow(name, found, true, None, None, None, None)
     eta = true / result.mean("reactive")
     error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
-    return MistakeRow(name, found, true, eta, error, predicted, error / predicted if predicted else None)
+    return MistakeRow(
+        name, found, true, eta, error, predicted, error / predicted if predicted else None
+    )
 
 
 def _true(result: Result, kind: str) -> float | None:
@@ -148,7 +172,11 @@ def _true(result: Result, kind: str) -> float | None:
 
 
 def _predicted(
-    result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts], true: float, eta: float
+    result: Result,
+    mistake: DeliberateMistake,
+    channels: Mapping[str, ChannelFacts],
+    true: float,
+    eta: float,
 ) -> float:
     """Relative error of W by the mistake's rule."""
     setting, value, level = result.setting, float(mistake.value), result.mean("level")
@@ -177,16 +205,30 @@ def _corners(mistake: DeliberateMistake) -> tuple[float, float]:
     return corner, corner * (1 + float(mistake.value))
 
 
-def _lead(kind: str, result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]) -> float:
-    """Phase by which the mistake lets the acceleration lead, rad; the mean over the record where it slides."""
+def _lead(
+    kind: str, result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
+) -> float:
+    """Phase by which the mistake lets the acceleration lead, rad; the mean over the record where it
+    slides.
+    """
     setting, value = result.setting, float(mistake.value)
     omega = 2 * math.pi * setting.frequency
     if kind == "pole":
         certified = channels["acceleration"].time_constant
-        return 0.0 if certified is None else pole_phase(omega, value * certified) - pole_phase(omega, certified)
+        return (
+            0.0
+            if certified is None
+            else pole_phase(omega, value * certified) - pole_phase(omega, certified)
+        )
     if kind == "corners":
         force, acceleration = _corners(mistake)
         return math.atan(acceleration / setting.frequency) - math.atan(force / setting.frequency)
     if kind == "skew":
         return -omega * (mistake.delay or 0.0)
-    return -omega * 1e-6 * value * (setting.settle_cycles + setting.record_cycles / 2) / setting.frequency
+    return (
+        -omega
+        * 1e-6
+        * value
+        * (setting.settle_cycles + setting.record_cycles / 2)
+        / setting.frequency
+    )

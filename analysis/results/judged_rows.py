@@ -38,7 +38,9 @@ class ClaimRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NullRow:
-    """A null test (analysis.comparison.null_tests.Null): angle dphi, rad; gain: of a loop-back, relative."""
+    """A null test (analysis.comparison.null_tests.Null): angle dphi, rad; gain: of a loop-back,
+    relative.
+    """
 
     null: Annotated[str, Text(("locked", "carried", "loop-back"))]
     bed_mass: AtLeastZero

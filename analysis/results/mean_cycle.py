@@ -1,4 +1,6 @@
-"""What one condition looks like: a mean cycle of force and acceleration by its harmonics, and W of every cycle."""
+"""What one condition looks like: a mean cycle of force and acceleration by its harmonics, and W of
+every cycle.
+"""
 
 import math
 from collections.abc import Sequence
@@ -38,7 +40,10 @@ def waveforms(results: Sequence[Result]) -> Waveforms | None:
 
 def _means(W: NDArray[np.float64], each: int) -> tuple[float, ...]:
     starts = np.arange(0, W.size, each)
-    return tuple(_short(mean) for mean in (np.add.reduceat(W, starts) / np.diff(starts, append=W.size)).tolist())
+    return tuple(
+        _short(mean)
+        for mean in (np.add.reduceat(W, starts) / np.diff(starts, append=W.size)).tolist()
+    )
 
 
 def _pairs(phasors: NDArray[np.complex128]) -> tuple[tuple[float, float], ...]:

@@ -7,9 +7,10 @@ __all__ = ["MistakeReport", "MistakeRow"]
 
 @dataclass(frozen=True, slots=True)
 class MistakeRow:
-    """How wrong a condition came out. W_exp, W_true (the ledger's, over the same cycles; the bed's alone where friction
-    was taken for damping): J per cycle; error = W_exp/W_true - 1; predicted by the rule, from W_true, the apparent mass
-    and the level; ratio of both. None where the record holds no truth or nothing was dissipated."""
+    """How wrong a condition came out. W_exp, W_true (the ledger's, over the same cycles; the bed's
+    alone where friction was taken for damping): J per cycle; error = W_exp/W_true - 1; predicted by
+    the rule, from W_true, the apparent mass and the level; ratio of both. None where the record
+    holds no truth or nothing was dissipated."""
 
     id: str
     W_exp: float
@@ -22,7 +23,9 @@ class MistakeRow:
 
 @dataclass(frozen=True, slots=True)
 class MistakeReport:
-    """The report's `mistake`: what was done wrong on purpose, and how wrong it made each condition."""
+    """The report's `deliberate_error`: what was done wrong on purpose, and how wrong it made each
+    condition.
+    """
 
     kind: str
     parameter: float

@@ -1,5 +1,5 @@
-"""The report of a session: what every writer is made from. Its fields are the keys of report.json, whose meanings are
-in docs/report.md."""
+"""The report of a session: what every writer is made from. Its fields are the keys of report.json,
+whose meanings are in docs/report.md."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ __all__ = [
     "Resolved",
 ]
 
-SCHEMA = "rig/agreement/1"
+SCHEMA = "rig/agreement/2"
 Size = Annotated[float | None, Number(0.0)]
 
 
@@ -42,7 +42,9 @@ class LedgerCheck:
 
 @dataclass(frozen=True, slots=True)
 class MeasurementChain:
-    """Conditions in which W_exp agrees with the rig's own ledger, as a fraction, and the fraction that is needed."""
+    """Conditions in which W_exp agrees with the rig's own ledger, as a fraction, and the fraction
+    that is needed.
+    """
 
     share: Annotated[float | None, Number(0.0, 1.0)]
     needed: Annotated[float, Number(0.0, 1.0)]
@@ -122,7 +124,7 @@ class Report:
     sweeps: Annotated[tuple[SweepCurve, ...], LEFT_OUT] = ()
     resolved: Annotated[Resolved | None, LEFT_OUT] = None
     fidelity: Annotated[Fidelity | None, LEFT_OUT] = None
-    mistake: Annotated[MistakeReport | None, LEFT_OUT] = None
+    deliberate_error: Annotated[MistakeReport | None, LEFT_OUT] = None
 
     @property
     def passes(self) -> bool:
@@ -135,7 +137,9 @@ class Report:
 
     @classmethod
     def of(cls, document: Mapping[str, Any], name: str = "report.json") -> "Report":
-        """Return the report that a report.json holds. AnalysisError with the first key that is missing or wrong."""
+        """Return the report that a report.json holds. AnalysisError with the first key that is
+        missing or wrong.
+        """
         try:
             return from_document(cls, document)
         except DocumentError as error:

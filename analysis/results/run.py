@@ -11,8 +11,8 @@ __all__ = ["Coil", "RunEnergy"]
 
 @dataclass(frozen=True, eq=False)
 class Coil:
-    """W: J per cycle, work at the gauge plane as the coil's current tells it. lines: its budget beside acceleration and
-    scatter. u_noise: J, from the current's noise."""
+    """W: J per cycle, work at the gauge plane as the coil's current tells it. lines: its budget
+    beside acceleration and scatter. u_noise: J, from the current's noise."""
 
     W: float
     lines: tuple[Line, ...]
@@ -23,13 +23,15 @@ class Coil:
 class RunEnergy:
     """Energies of one run.
 
-    flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle, standard deviation of W
-    from the instruments' noise. ledger: true energies in J per cycle, means over the same cycles (simulated sessions
-    only); its `closure` is the largest relative error of the account. use: shares of the exciter's limits (1 = at it).
-    coil: energy as the coil's current tells it, None where that is not recorded. at_box: the same run compensated for
-    place and mass of the gauge, None where the stinger is not known. recorded: what is predicted on the
-    waveform that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard uncertainty
-    from what the bed went through before. clip_ratio: share of samples at a rail, of the channel that has most.
+    flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle,
+    standard deviation of W from the instruments' noise. ledger: true energies in J per cycle, means
+    over the same cycles (simulated sessions only); its `closure` is the largest relative error of
+    the account. use: shares of the exciter's limits (1 = at it). coil: energy as the coil's current
+    tells it, None where that is not recorded. at_box: the same run compensated for place and mass
+    of the gauge, None where the stinger is not known. recorded: what is predicted on the waveform
+    that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard
+    uncertainty from what the bed went through before. clip_ratio: share of samples at a rail, of
+    the channel that has most.
     """
 
     run: str

@@ -19,9 +19,9 @@ class RunCycles:
 
 @dataclass(frozen=True, slots=True)
 class Waveforms:
-    """Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of a condition's first run's mean
-    cycle, and W of each cycle of all its runs; of long ones means over `cycles_each` cycles, the last of what is
-    left."""
+    """Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of a condition's
+    first run's mean cycle, and W of each cycle of all its runs; of long ones means over
+    `cycles_each` cycles, the last of what is left."""
 
     condition: str
     run: str

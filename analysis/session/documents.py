@@ -1,4 +1,6 @@
-"""What the analysis asks of the documents in a session, and the check: anybody may have written them."""
+"""What the analysis asks of the documents in a session, and the check: anybody may have written
+them.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -39,7 +41,9 @@ DOCUMENTS: Mapping[str, Shape] = {
     "fidelity": shape_of(Fidelity),
     "provenance": Keys({}),
 }
-"""The session's documents by name (docs/session-format.md). Others are free, and so are further keys in these."""
+"""The session's documents by name (docs/session-format.md). Others are free, and so are further
+keys in these.
+"""
 
 TRUTHS: Mapping[str, Shape] = {
     "instruments": shape_of(TrueInstruments),
@@ -59,14 +63,18 @@ def deviations_of(name: str, value: Any) -> Iterator[str]:
 
 
 def checked(name: str, value: Any) -> Any:
-    """A document of the session as it is. AnalysisError with its first deviation where it is not of its shape."""
+    """A document of the session as it is. AnalysisError with its first deviation where it is not of
+    its shape.
+    """
     for sentence in deviations_of(name, value):
         raise AnalysisError(f"the session's document {sentence}")
     return value
 
 
 def document_as(cls: type[T], name: str, value: Any) -> T | None:
-    """A document of the session as a value of its class; None where there is none. AnalysisError as for `checked`."""
+    """A document of the session as a value of its class; None where there is none. AnalysisError as
+    for `checked`.
+    """
     return None if checked(name, value) is None else built(cls, value)
 
 
@@ -79,7 +87,9 @@ def truth_as(cls: type[T], name: str, truth: Truth) -> T | None:
 
 
 def session_document_deviations(record: "Record") -> Iterator[str]:
-    """Every deviation in the documents of a session that the analysis reads; those that are no JSON are passed over."""
+    """Every deviation in the documents of a session that the analysis reads; those that are no JSON
+    are passed over.
+    """
     for name in DOCUMENTS:
         yield from deviations_of(name, _readable(record.document, name))
     if record.truth is not None:

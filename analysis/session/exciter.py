@@ -1,4 +1,6 @@
-"""What a session says of its exciter, and of the true state of its instruments where it was simulated."""
+"""What a session says of its exciter, and of the true state of its instruments where it was
+simulated.
+"""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -13,8 +15,8 @@ Part = Annotated[float, Number(0.0, 1e9)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionExciter:
-    """The document `exciter`, SI, certified values; force_constant_U, parts_U: their expanded uncertainties (k = 2),
-    relative; band: Hz, up to which the coil's current tells the force."""
+    """The document `exciter`, SI, certified values; force_constant_U, parts_U: their expanded
+    uncertainties (k = 2), relative; band: Hz, up to which the coil's current tells the force."""
 
     force_constant: Thing
     band: Thing
@@ -32,8 +34,8 @@ class SessionExciter:
 
 @dataclass(frozen=True, slots=True)
 class TrueState:
-    """The actual state of a channel: sensitivity (V per unit), time constant (s, None for DC), gain, corner of the
-    coupling (Hz, None for DC) and skew (s)."""
+    """The actual state of a channel: sensitivity (V per unit), time constant (s, None for DC),
+    gain, corner of the coupling (Hz, None for DC) and skew (s)."""
 
     sensitivity: Thing
     time_constant: Annotated[float | None, Number(0.0, above=True)]

@@ -1,4 +1,6 @@
-"""How finely and how long each condition was simulated, where a tolerance decided it (document `fidelity`)."""
+"""How finely and how long each condition was simulated, where a tolerance decided it (document
+`fidelity`).
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,7 +28,9 @@ class CycleCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChosenFidelity:
-    """What was chosen for a condition, and the error that it predicts, relative to W; why the tolerance is not met."""
+    """What was chosen for a condition, and the error that it predicts, relative to W; why the
+    tolerance is not met.
+    """
 
     id: str
     tolerance: Told = None
@@ -50,7 +54,9 @@ class ChosenFidelity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fidelity:
-    """The choices of a session and what they cost; rows_share: part of the tolerance that rows may take."""
+    """The choices of a session and what they cost; rows_share: part of the tolerance that rows may
+    take.
+    """
 
     mode: Annotated[str | None, LEFT_OUT] = None
     tolerance: Annotated[float, Number(1e-9, 1e9)]

@@ -8,21 +8,28 @@ from dataclasses import dataclass
 __all__ = ["BEYOND", "Curve", "Given", "Predicted", "SessionPrediction", "middle"]
 
 CLOSE = 0.01
-"""How far from an acceleration, relative, all points tell of the slope there: as far as the measured one may be off."""
+"""How far from an acceleration, relative, all points tell of the slope there: as far as the
+measured one may be off.
+"""
 
 NEAR, EITHER_SIDE = 0.04, 3
-"""Where fewer are close, so many points to either side tell of it, as far off as that: W is rough from one to the next.
-More would hide a slope that changes within a hundredth, as a slug's does beside a jump to another orbit."""
+"""Where fewer are close, so many points to either side tell of it, as far off as that: W is rough
+from one to the next. More would hide a slope that changes within a hundredth, as a single mass's
+does beside a jump to another orbit."""
 
 BEYOND = 0.1
-"""How far outside its tabulated accelerations, relative, a W_T is still read: a table about one level tells no more."""
+"""How far outside its tabulated accelerations, relative, a W_T is still read: a table about one
+level tells no more.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """W (J per cycle) tabulated at increasing accelerations (m/s^2); log-log between them and beyond the ends.
+    """W (J per cycle) tabulated at increasing accelerations (m/s^2); log-log between them and
+    beyond the ends.
 
-    A stretch with a zero at one end is linear instead and zero outside it: a logarithm has no place there.
+    A stretch with a zero at one end is linear instead and zero outside it: a logarithm has no place
+    there.
     """
 
     accelerations: tuple[float, ...]
@@ -30,9 +37,13 @@ class Curve:
 
     @classmethod
     def of(cls, accelerations: Sequence[float], values: Sequence[float]) -> "Curve":
-        """A curve from a table in any order. ValueError where it is not a table of positive accelerations."""
+        """A curve from a table in any order. ValueError where it is not a table of positive
+        accelerations.
+        """
         if len(accelerations) != len(values) or not values or min(accelerations) <= 0:
-            raise ValueError("a prediction needs as many values as accelerations, at least one, accelerations positive")
+            raise ValueError(
+                "a prediction needs as many values as accelerations, at least one, accelerations positive"
+            )
         pairs = sorted(zip(map(float, accelerations), map(float, values), strict=True))
         return cls(tuple(a for a, _ in pairs), tuple(w for _, w in pairs))
 
@@ -56,8 +67,8 @@ class Curve:
         return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
-        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`, `NEAR`); None where
-        W is zero or a single point is known."""
+        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`,
+        `NEAR`); None where W is zero or a single point is known."""
         if len(self.values) == 1 or self(a) <= 0:
             return None
         i = self._stretch(a)
@@ -72,7 +83,9 @@ class Curve:
             low, high = i, i + 1
         if min(self.values[low : high + 1]) <= 0:
             return None
-        x, y = (list(map(math.log, part[low : high + 1])) for part in (self.accelerations, self.values))
+        x, y = (
+            list(map(math.log, part[low : high + 1])) for part in (self.accelerations, self.values)
+        )
         return statistics.linear_regression(x, y).slope
 
     def _tells(self, a: float, place: int, near: int) -> bool:
@@ -87,14 +100,14 @@ Given = float | tuple[float, ...] | None
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """What is predicted of a condition, means over its runs, each at its measured acceleration: J per cycle; exponent:
-    dlnW_T/dlna. None for what is not known."""
+    """What is predicted of a condition, means over its runs, each at its measured acceleration: J
+    per cycle; exponent: dlnW_T/dlna. None for what is not known."""
 
     W_T: float | None = None
     W_f: float | None = None
     W_c: float | None = None
     exponent: float | None = None
-    W_T_paper: float | None = None
+    W_T_as_printed: float | None = None
     bound: float | None = None
     period: float | None = None
     periodic_share: float | None = None
@@ -102,7 +115,9 @@ class Predicted:
 
 @dataclass(frozen=True, slots=True)
 class SessionPrediction:
-    """The prediction for one condition as curves, with the relative standard uncertainties of its entry."""
+    """The prediction for one condition as curves, with the relative standard uncertainties of its
+    entry.
+    """
 
     total: Curve
     friction: Curve
@@ -113,7 +128,9 @@ class SessionPrediction:
 
 
 def middle(value: Given, accelerations: Sequence[float]) -> float | None:
-    """A number given once, or as a list beside the accelerations (then the one at the middle acceleration)."""
+    """A number given once, or as a list beside the accelerations (then the one at the middle
+    acceleration).
+    """
     if isinstance(value, tuple):
         order = sorted(range(len(accelerations)), key=accelerations.__getitem__)
         value = value[order[len(order) // 2]] if value else None

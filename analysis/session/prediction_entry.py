@@ -1,4 +1,6 @@
-"""The prediction in a session's documents: plain numbers, so that a laboratory's own can take its place."""
+"""The prediction in a session's documents: plain numbers, so that a laboratory's own can take its
+place.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,11 +20,12 @@ Ratios = Annotated[tuple[float, ...], List(Number(0.0, 1e6))]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PredictionEntry:
-    """An entry of the session's document `prediction`: W_T, and W_f and W_c where they are known, at accelerations.
+    """An entry of the session's document `prediction`: W_T, and W_f and W_c where they are known,
+    at accelerations.
 
-    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels, u_settling of what a
-    record holds beside the steady state that is predicted. model: W_T over its nominal value, for draws of the model's
-    parameters; refills: the same for beds poured anew.
+    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels,
+    u_settling of what a record holds beside the steady state that is predicted. model: W_T over its
+    nominal value, for draws of the model's parameters; refills: the same for beds poured anew.
     """
 
     acceleration: Annotated[tuple[float, ...], List(Number(0.0, above=True), least=1)]
@@ -34,7 +37,7 @@ class PredictionEntry:
     u_rel: Relative = None
     u_levels: Relative = None
     u_settling: Relative = None
-    W_T_paper: Given = None
+    W_T_as_printed: Given = None
     bound: Given = None
     period: Given = None
     periodic_share: Given = None
@@ -53,9 +56,13 @@ class PredictionEntry:
         )
 
 
-PREDICTION = Keys({
-    "conditions": Each(replace(shape_of(PredictionEntry), as_long=("acceleration", "W_T", "W_f", "W_c")))
-})  # fmt: skip
+PREDICTION = Keys(
+    {
+        "conditions": Each(
+            replace(shape_of(PredictionEntry), as_long=("acceleration", "W_T", "W_f", "W_c"))
+        )
+    }
+)
 """The session's document."""
 
 

@@ -6,7 +6,15 @@ from typing import Annotated
 
 from daq.documents.shapes import Text
 
-__all__ = ["KINDS", "ClaimCase", "ClaimLevel", "ExpectedClaim", "RigValue", "SessionProtocol", "SessionRig"]
+__all__ = [
+    "KINDS",
+    "ClaimCase",
+    "ClaimLevel",
+    "ExpectedClaim",
+    "RigValue",
+    "SessionProtocol",
+    "SessionRig",
+]
 
 KINDS = ("optimum", "order", "rise", "fall", "nonlinear", "nearly_zero", "offset_within")
 """Kinds of claims."""
@@ -30,8 +38,9 @@ class ClaimCase:
 
 @dataclass(frozen=True, slots=True)
 class ExpectedClaim:
-    """A claim as the session holds it: words, kind of test, the field that it is about and the one that is averaged
-    over ("" for none), values named, limits fixed beforehand, why it is imposed ("" where it is not)."""
+    """A claim as the session holds it: words, kind of test, the field that it is about and the one
+    that is averaged over ("" for none), values named, limits fixed beforehand, why it is imposed
+    ("" where it is not)."""
 
     claim: str
     kind: Annotated[str, Text(KINDS)]

@@ -12,7 +12,9 @@ class AnalysisError(Exception):
 
 
 class ChannelFacts(Protocol):
-    """The row of the channel table that corrections and uncertainties are made from (certified values, SI)."""
+    """The row of the channel table that corrections and uncertainties are made from (certified
+    values, SI).
+    """
 
     @property
     def name(self) -> str: ...
@@ -98,7 +100,9 @@ class Truth(Protocol):
 
 
 class RecordedSession(Protocol):
-    """The part of daq.session.record.Record that is read here; any source of records may offer the same."""
+    """The part of daq.session.record.Record that is read here; any source of records may offer the
+    same.
+    """
 
     @property
     def runs(self) -> tuple[RunFacts, ...]: ...

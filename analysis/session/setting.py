@@ -17,16 +17,24 @@ Mass = Annotated[float, MASS]
 One = Annotated[float, ONE]
 Unset = Annotated[float | None, Number(), LEFT_OUT]
 MISTAKES = {
-    "pole": {"value": ONE}, "corners": {"corner": ONE}, "cycles": {"value": ONE}, "skew": {"delay": Number(-1e3, 1e3)},
-    "clock": {}, "coil": {}, "offset": {}, "friction": {"gravity": MASS},
-}  # fmt: skip
-MISTAKE = Choice("kind", {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in MISTAKES.items()})
+    "pole": {"value": ONE},
+    "corners": {"corner": ONE},
+    "cycles": {"value": ONE},
+    "skew": {"delay": Number(-1e3, 1e3)},
+    "clock": {},
+    "coil": {},
+    "offset": {},
+    "friction": {"gravity": MASS},
+}
+MISTAKE = Choice(
+    "kind", {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in MISTAKES.items()}
+)
 
 
 @dataclass(frozen=True, slots=True)
 class DeliberateMistake:
-    """What is deliberately done wrong (analysis.results.deliberate_errors): its kind, how much of it, and what else
-    that kind states: corner (Hz), delay (s), gravity (m/s^2)."""
+    """What is deliberately done wrong (analysis.results.deliberate_errors): its kind, how much of
+    it, and what else that kind states: corner (Hz), delay (s), gravity (m/s^2)."""
 
     kind: str
     value: float
@@ -37,7 +45,9 @@ class DeliberateMistake:
 
 @dataclass(frozen=True, slots=True)
 class GasDrag:
-    """Whether drag of the gas between the grains is switched on, and its largest value over the bed's weight."""
+    """Whether drag of the gas between the grains is switched on, and its largest value over the
+    bed's weight.
+    """
 
     on: bool
     share_of_weight: Mass
@@ -55,10 +65,12 @@ class FirstPrinciples:
 class Setting:
     """A condition: what was set, as the session says. SI units, None for what nobody wrote down.
 
-    carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for other beds; mistake:
-    what is deliberately done wrong (analysis.results.deliberate_errors); sweep_to: Hz, of a record that sweeps there
-    from `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where nobody says;
-    losses, support: of the stand, "" where nobody says; varied: what else the protocol varied, in words by name.
+    carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for
+    other beds; deliberate_error: what is deliberately done wrong
+    (analysis.results.deliberate_errors); sweep_to: Hz, of a record that sweeps there from
+    `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where
+    nobody says; losses, support: of the stand, "" where nobody says; varied: what else the protocol
+    varied, in words by name.
     """
 
     id: str
@@ -78,7 +90,7 @@ class Setting:
     gauge_mass: Mass
     moving_mass: Mass
     dashpot_c: Size = None
-    mistake: Annotated[DeliberateMistake | None, MISTAKE] = None
+    deliberate_error: Annotated[DeliberateMistake | None, MISTAKE] = None
     sweep_to: Annotated[float | None, ONE] = None
     gauge: Annotated[str | None, Text()] = None
     accelerometer: Annotated[str | None, Text()] = None
@@ -90,7 +102,9 @@ class Setting:
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
-        """The setting in a session's condition. AnalysisError naming the first key that is missing or wrong."""
+        """The setting in a session's condition. AnalysisError naming the first key that is missing
+        or wrong.
+        """
         for name in CONDITION.required:
             if name not in condition:
                 raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")
@@ -100,18 +114,24 @@ class Setting:
 
     @property
     def places(self) -> tuple[str | None, str | None]:
-        """Where gauge and accelerometer are: what is read at different places is compared with nothing."""
+        """Where gauge and accelerometer are: what is read at different places is compared with
+        nothing.
+        """
         return self.gauge, self.accelerometer
 
     @property
     def through_stinger(self) -> bool:
-        """Whether the acceleration is read at the far end of the stinger, whose give and loss are then in it."""
+        """Whether the acceleration is read at the far end of the stinger, whose give and loss are
+        then in it.
+        """
         return self.accelerometer == "exciter"
 
     @property
     def is_empty(self) -> bool:
         """Nothing in the box: no grains, and no dashpot either."""
-        return self.bed == "empty" or (self.bed not in ("dashpot", "unknown", LOOP_BACK) and self.bed_mass == 0)
+        return self.bed == "empty" or (
+            self.bed not in ("dashpot", "unknown", LOOP_BACK) and self.bed_mass == 0
+        )
 
     @property
     def is_bonded(self) -> bool:

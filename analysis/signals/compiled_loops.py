@@ -1,4 +1,5 @@
-"""The loops over samples, compiled: one pass each where arrays would take ten, and no arrays in between.
+"""The loops over samples, compiled: one pass each where arrays would take ten, and no arrays in
+between.
 
 Sums run in the order of the samples, without reassociation: the same samples give the same bits.
 """
@@ -15,8 +16,8 @@ CycleSums = tuple[Array, Array, Array, Array, Array, Array, Array]
 
 @numba.njit(cache=True, nogil=True)
 def with_integral(signal: Array, mean: float, weight: float) -> Array:
-    """y + weight * integral(y), y = signal - mean, by the rule of `analysis.signals.integration.integral` for a unit
-    step."""
+    """y + weight * integral(y), y = signal - mean, by the rule of
+    `analysis.signals.integration.integral` for a unit step."""
     n = signal.size
     out = np.empty(n)
     total, before, here = 0.0, signal[n - 1] - mean, signal[0] - mean
@@ -30,11 +31,12 @@ def with_integral(signal: Array, mean: float, weight: float) -> Array:
 
 @numba.njit(cache=True, nogil=True)
 def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> CycleSums:
-    """What energies are made of. force, acceleration: (cycles * points,); mean: of the acceleration.
+    """What energies are made of. force, acceleration: (cycles * points,); mean: of the
+    acceleration.
 
-    Per cycle, (cycles,): the sums of F, of a, of k F (k = 0, 1, ... in the cycle), of u and of F u, and u at its start,
-    u = integral(a - mean) over the whole window for a unit step. Last, (2, points): the sums over the cycles of each
-    point's F and a.
+    Per cycle, (cycles,): the sums of F, of a, of k F (k = 0, 1, ... in the cycle), of u and of F u,
+    and u at its start, u = integral(a - mean) over the whole window for a unit step. Last, (2,
+    points): the sums over the cycles of each point's F and a.
     """
     points = force.size // cycles
     n = cycles * points
@@ -66,9 +68,12 @@ def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> C
 
 
 @numba.njit(cache=True, nogil=True)
-def cycle_features(samples: Array, cycles: int, turn: Array) -> tuple[Array, Array, Array, Array, float]:
-    """Of a window (cycles * points,), per cycle: mean; the sums of x cos and -x sin, (cycles, 2); rms and largest
-    magnitude of the second differences of what the mean cycle leaves. And the largest magnitude of all samples.
+def cycle_features(
+    samples: Array, cycles: int, turn: Array
+) -> tuple[Array, Array, Array, Array, float]:
+    """Of a window (cycles * points,), per cycle: mean; the sums of x cos and -x sin, (cycles, 2);
+    rms and largest magnitude of the second differences of what the mean cycle leaves. And the
+    largest magnitude of all samples.
 
     turn: (2, points), cosine and negative sine over a cycle.
     """

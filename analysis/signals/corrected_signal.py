@@ -1,9 +1,11 @@
-"""A channel of a whole run with its poles and its delay undone, for other tools, in constant memory.
+"""A channel of a whole run with its poles and its delay undone, for other tools, in constant
+memory.
 
-Inside the window of whole cycles the result equals what the energies are computed from, but for a constant: there each
-pole is undone as `analysis.signals.correction` does it, by adding the integral of the signal over its time constant.
-Here the integral runs on from the first sample of the record, by the trapezoidal rule: a harmonic h of N samples per
-cycle is off by (2 pi h / N)^2 / 12 of its correction 1 / (h w tau), 2e-5 of it at most for h = 1 and N = 400.
+Inside the window of whole cycles the result equals what the energies are computed from, but for a
+constant: there each pole is undone as `analysis.signals.correction` does it, by adding the integral
+of the signal over its time constant. Here the integral runs on from the first sample of the record,
+by the trapezoidal rule: a harmonic h of N samples per cycle is off by (2 pi h / N)^2 / 12 of its
+correction 1 / (h w tau), 2e-5 of it at most for h = 1 and N = 400.
 """
 
 import math
@@ -31,9 +33,9 @@ class SampleReader(Protocol):
 class CorrectedSignal:
     """The corrected samples of one channel, read in order.
 
-    read: the channel's samples. size: of the record. window: first sample of the whole cycles that count, and one past
-    the last; over them the mean is removed, as no high pass hands it on. step: s. time_constants: s, of the high-pass
-    poles. lag: s by which the channel is late.
+    read: the channel's samples. size: of the record. window: first sample of the whole cycles that
+    count, and one past the last; over them the mean is removed, as no high pass hands it on. step:
+    s. time_constants: s, of the high-pass poles. lag: s by which the channel is late.
     """
 
     def __init__(
@@ -56,7 +58,9 @@ class CorrectedSignal:
         for start in range(0, self.size, length):
             signal = self._on_time(start, min(start + length, self.size))
             for number, (weight, mean) in enumerate(poles):
-                signal, state[number] = _without_pole(signal - mean, weight, state[number], start == 0)
+                signal, state[number] = _without_pole(
+                    signal - mean, weight, state[number], start == 0
+                )
             yield signal
 
     def samples(self) -> Array:
@@ -69,7 +73,9 @@ class CorrectedSignal:
         start, sums = 0, []
         for chunk in self.chunks():
             index = start + np.arange(chunk.size)
-            weights = np.clip(index + 1 - first, 0, 1) * np.clip(last - index, 0, 1)  # a part of a sample at either end
+            weights = np.clip(index + 1 - first, 0, 1) * np.clip(
+                last - index, 0, 1
+            )  # a part of a sample at either end
             sums.append(float(weights @ chunk))
             start += chunk.size
         return math.fsum(sums) / (last - first)
@@ -82,13 +88,18 @@ class CorrectedSignal:
         return np.asarray(np.convolve(padded, self._taps, "valid"))
 
     def _mirrored(self, start: int, stop: int) -> Array:
-        """Return samples start..stop; beyond either end the record is turned about its last sample there."""
+        """Return samples start..stop; beyond either end the record is turned about its last sample
+        there.
+        """
         inside = self._read(min(max(start, 0), self.size - 1), max(min(stop, self.size), 1))
         before, after = max(-start, 0), max(stop - self.size, 0)
         if not before and not after:
             return inside
         reach = max(before, after) + 1
-        head, tail = self._read(0, min(reach, self.size)), self._read(max(self.size - reach, 0), self.size)
+        head, tail = (
+            self._read(0, min(reach, self.size)),
+            self._read(max(self.size - reach, 0), self.size),
+        )
         padded = np.concatenate([
             2 * head[0] - head[before:0:-1], inside, 2 * tail[-1] - tail[-2 : -2 - after : -1],
         ])  # fmt: skip
@@ -96,7 +107,9 @@ class CorrectedSignal:
 
 
 def _delay_taps(fraction: float) -> Array | None:
-    """Return the taps that move a signal a fraction of a sample earlier: a sinc in a Kaiser window; None for none."""
+    """Return the taps that move a signal a fraction of a sample earlier: a sinc in a Kaiser window;
+    None for none.
+    """
     if fraction == 0.0:
         return None
     taps = np.sinc(np.arange(-HALF, HALF + 1) + fraction) * np.kaiser(2 * HALF + 1, KAISER)
@@ -106,7 +119,9 @@ def _delay_taps(fraction: float) -> Array | None:
 def _without_pole(
     signal: Array, weight: float, state: tuple[float, float], first: bool
 ) -> tuple[Array, tuple[float, float]]:
-    """Return a chunk plus `weight` times its running integral, and (last sample, integral so far) for the next."""
+    """Return a chunk plus `weight` times its running integral, and (last sample, integral so far)
+    for the next.
+    """
     before, total = (signal[0], 0.0) if first else state
     halves = 0.5 * (signal + np.concatenate(([before], signal[:-1])))
     if first:

@@ -1,4 +1,6 @@
-"""What the channel metadata says must be undone: high-pass poles, delays between channels, the mass before the box."""
+"""What the channel metadata says must be undone: high-pass poles, delays between channels, the mass
+before the box.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +14,15 @@ Complex = NDArray[np.complex128]
 
 
 def without_pole(signal: Array, time_constant: float, step: float) -> Array:
-    """Input of a one-pole high pass j w tau / (1 + j w tau) from its output: a window of whole cycles, mean dropped.
+    """Input of a one-pole high pass j w tau / (1 + j w tau) from its output: a window of whole
+    cycles, mean dropped.
 
-    time_constant: tau in s; step: s. Every harmonic is multiplied by 1 + 1 / (j w tau), written in time as
-    x = y + integral(y) / tau; the mean, which no high pass hands on, is taken off first.
+    time_constant: tau in s; step: s. Every harmonic is multiplied by 1 + 1 / (j w tau), written in
+    time as x = y + integral(y) / tau; the mean, which no high pass hands on, is taken off first.
     """
-    return np.asarray(with_integral(np.ascontiguousarray(signal), signal.mean(), step / time_constant))
+    return np.asarray(
+        with_integral(np.ascontiguousarray(signal), signal.mean(), step / time_constant)
+    )
 
 
 def advanced(signal: Array, delay: float, step: float) -> Array:
@@ -28,10 +33,14 @@ def advanced(signal: Array, delay: float, step: float) -> Array:
 
 
 def pole_phase(omega: float, time_constant: float | None) -> float:
-    """Phase lead in rad of a high-pass pole at omega (rad/s); its derivative to ln(tau) is -sin(2 phase) / 2."""
+    """Phase lead in rad of a high-pass pole at omega (rad/s); its derivative to ln(tau) is -sin(2
+    phase) / 2.
+    """
     return 0.0 if time_constant is None else float(np.arctan2(1.0, omega * time_constant))
 
 
 def net_of_mass(force: Complex, acceleration: Complex, mass: float) -> Complex:
-    """Force phasors (N) less what a rigid mass (kg) needs at acceleration phasors (m/s^2): mass cancellation."""
+    """Force phasors (N) less what a rigid mass (kg) needs at acceleration phasors (m/s^2): mass
+    cancellation.
+    """
     return force - mass * acceleration

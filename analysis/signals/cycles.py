@@ -1,4 +1,6 @@
-"""Whole drive cycles of a record: where they start, how many there are, and an integer number of samples in each."""
+"""Whole drive cycles of a record: where they start, how many there are, and an integer number of
+samples in each.
+"""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +19,9 @@ REACH = 3  # samples that the interpolation needs on each side
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """The sampling of a cycle. period: record samples per drive cycle; points: analysed points per cycle (integer)."""
+    """The sampling of a cycle. period: record samples per drive cycle; points: analysed points per
+    cycle (integer).
+    """
 
     period: float
     points: int
@@ -30,7 +34,9 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """The `cycles` whole cycles from sample position `start` (fractional where the grid is not exact)."""
+    """The `cycles` whole cycles from sample position `start` (fractional where the grid is not
+    exact).
+    """
 
     grid: Grid
     start: float
@@ -39,7 +45,11 @@ class Window:
     def segments(self) -> tuple["Window", ...]:
         """Consecutive windows of at most SEGMENT_CYCLES cycles."""
         return tuple(
-            Window(self.grid, self.start + first * self.grid.period, min(SEGMENT_CYCLES, self.cycles - first))
+            Window(
+                self.grid,
+                self.start + first * self.grid.period,
+                min(SEGMENT_CYCLES, self.cycles - first),
+            )
             for first in range(0, self.cycles, SEGMENT_CYCLES)
         )
 
@@ -64,20 +74,28 @@ def whole_cycles(
 ) -> Window:
     """The whole drive cycles of a record after settling.
 
-    samples: length of the record; rate, frequency: Hz; filter_delay: samples by which the record lags the drive;
-    settle: drive cycles left out; cycles: at most so many (None: all that fit). The window starts at the drive's own
-    cycle start, to the nearest sample where a cycle has a whole number of samples, exactly otherwise; where the record
-    is a few samples too short for the last cycle, so many samples earlier. ValueError where fewer than 4 samples make a
-    cycle or no whole cycle fits.
+    samples: length of the record; rate, frequency: Hz; filter_delay: samples by which the record
+    lags the drive; settle: drive cycles left out; cycles: at most so many (None: all that fit). The
+    window starts at the drive's own cycle start, to the nearest sample where a cycle has a whole
+    number of samples, exactly otherwise; where the record is a few samples too short for the last
+    cycle, so many samples earlier. ValueError where fewer than 4 samples make a cycle or no whole
+    cycle fits.
     """
     period = rate / frequency
     if not 4 <= period < math.inf:
-        raise ValueError(f"{period:.3g} samples per cycle at {rate:g} S/s and {frequency:g} Hz: at least 4 are needed")
+        raise ValueError(
+            f"{period:.3g} samples per cycle at {rate:g} S/s and {frequency:g} Hz: at least 4 are needed"
+        )
     nearest = round(period)
     begin = settle * period + filter_delay
-    # A grid that is off by less than 1e-6 sample over the whole record is exact for every purpose here.
+    # A grid that is off by less than 1e-6 sample over the whole record is exact for every purpose
+    # here.
     if abs(period - nearest) * (samples / period + 1) < 1e-6:
-        grid, start, last = Grid(float(nearest), nearest), float(max(round(begin), 0)), float(samples)
+        grid, start, last = (
+            Grid(float(nearest), nearest),
+            float(max(round(begin), 0)),
+            float(samples),
+        )
     else:
         grid = Grid(period, 2 * math.ceil(period / 2))
         start, last = max(begin, REACH - 1.0), samples - REACH
@@ -86,19 +104,25 @@ def whole_cycles(
     fit = math.floor((last - start) / grid.period + 1e-9)
     count = fit if cycles is None else min(fit, cycles)
     if count < 1:
-        raise ValueError(f"no whole cycle: {samples} samples, {begin:.1f} before the window, {period:.1f} to a cycle")
+        raise ValueError(
+            f"no whole cycle: {samples} samples, {begin:.1f} before the window, {period:.1f} to a cycle"
+        )
     return Window(grid, start, count)
 
 
 def _moved(start: float, short: float, grid: Grid) -> float:
-    """The start, earlier by the few samples by which a record is too short for its last cycle's neighbours."""
+    """The start, earlier by the few samples by which a record is too short for its last cycle's
+    neighbours.
+    """
     if not 0 < short <= REACH + 1 or start - short < REACH - 1:
         return start
     return start - (math.ceil(short) if grid.exact else short)
 
 
 def clear_of(window: Window, bad: Sequence[tuple[int, int]]) -> tuple[Window, ...]:
-    """The stretches of a window's whole cycles that need no sample of the ranges `bad` (first, one past the last)."""
+    """The stretches of a window's whole cycles that need no sample of the ranges `bad` (first, one
+    past the last).
+    """
     period, kept = window.grid.period, np.ones(window.cycles, dtype=bool)
     for cycle in range(window.cycles):
         first, last = Window(window.grid, window.start + cycle * period, 1).sample_range()
@@ -113,19 +137,24 @@ def clear_of(window: Window, bad: Sequence[tuple[int, int]]) -> tuple[Window, ..
 def on_grid(samples: Array, first: int, window: Window) -> Array:
     """Samples of a window, `window.grid.points` to a cycle.
 
-    samples: (..., n), the first of which is sample `first` of the record. Off the integer grid a local quintic
-    (six-point Lagrange) interpolation is used: relative error (w dt)^6 / 204.8 at most, 2e-14 for the fundamental at
-    512 samples per cycle and 1e-5 for its 30th harmonic. Every point depends on its six neighbours only, so cutting a
-    record into segments changes nothing.
+    samples: (..., n), the first of which is sample `first` of the record. Off the integer grid a
+    local quintic (six-point Lagrange) interpolation is used: relative error (w dt)^6 / 204.8 at
+    most, 2e-14 for the fundamental at 512 samples per cycle and 1e-5 for its 30th harmonic. Every
+    point depends on its six neighbours only, so cutting a record into segments changes nothing.
     """
     grid = window.grid
     if grid.exact:
         begin = int(window.start) - first
         return samples[..., begin : begin + window.cycles * grid.points]
-    position = window.start - first + np.arange(window.cycles * grid.points) * (grid.period / grid.points)
+    position = (
+        window.start - first + np.arange(window.cycles * grid.points) * (grid.period / grid.points)
+    )
     base = np.floor(position).astype(np.intp)
     return sum(
-        (weight * samples[..., base + (k - 2)] for k, weight in enumerate(_lagrange(position - base))),
+        (
+            weight * samples[..., base + (k - 2)]
+            for k, weight in enumerate(_lagrange(position - base))
+        ),
         start=np.zeros(samples.shape[:-1] + base.shape),
     )
 

@@ -1,12 +1,15 @@
-"""What a record itself tells of its channels: stuck values, steps, slips, noise and spikes that no flag announced.
+"""What a record itself tells of its channels: stuck values, steps, slips, noise and spikes that no
+flag announced.
 
-A steady drive repeats: per cycle, a channel has a mean, a fundamental (size and phase) and a remainder about the mean
-cycle. A fault shows as a change of one of them that the scatter from cycle to cycle does not explain. Where the bed's
-own scatter is larger, the fault is not seen; `docs/acquisition.md` says how large it may be.
+A steady drive repeats: per cycle, a channel has a mean, a fundamental (size and phase) and a
+remainder about the mean cycle. A fault shows as a change of one of them that the scatter from cycle
+to cycle does not explain. Where the bed's own scatter is larger, the fault is not seen;
+`docs/acquisition.md` says how large it may be.
 
-A motion that is free (coupled drive: no waveform is held) does not repeat: its impacts come and go, and its level and
-phase glide where the bed settles. There a fault must show in what a motion cannot do: noise in the quiet part of a
-cycle, between the impacts, and a step from one cycle to the next.
+A motion that is free (shaker-coupled drive: no waveform is held) does not repeat: its impacts come
+and go, and its level and phase glide where the bed settles. There a fault must show in what a
+motion cannot do: noise in the quiet part of a cycle, between the impacts, and a step from one cycle
+to the next.
 """
 
 import math
@@ -22,7 +25,17 @@ from analysis.session.setting import Setting
 from analysis.signals.compiled_loops import cycle_features
 from daq.chain.block import Flag
 
-__all__ = ["CORRECTED", "REFUSED", "SUSPECT", "Cycles", "Scrutiny", "changes", "doubts", "features", "longest_stuck"]
+__all__ = [
+    "CORRECTED",
+    "REFUSED",
+    "SUSPECT",
+    "Cycles",
+    "Scrutiny",
+    "changes",
+    "doubts",
+    "features",
+    "longest_stuck",
+]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -35,24 +48,30 @@ GAUSSIAN = 7.0  # largest over rms: noise has less in any record, impacts and sp
 NOISY = 3.0  # rms of a cycle's remainder over the usual one, and over the certified noise
 CLIPS = 0.98  # of the sensor's own limit
 QUIET = 0.1  # share of a cycle's fourth differences that is quiet: between the impacts
-FOURTH = math.sqrt(70 / 6)  # rms of fourth over second differences of white noise; of a motion that is sampled well 1.4
+FOURTH = math.sqrt(
+    70 / 6
+)  # rms of fourth over second differences of white noise; of a motion that is sampled well 1.4
 SUDDEN = 0.6  # share of a step that no cycle bridges: 0.47 was seen of a bed that glides, in 320 runs; faults left 0.69
 BESIDE = 4  # cycles on either side of a sudden step
 NOTHING = 3.0  # a fundamental below so many certified noises is no signal
 
 OVERLOAD = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
-REFUSED = {"stuck": "is stuck: equal values in a row", "no_signal": "carries no signal above its noise"}
+REFUSED = {
+    "stuck": "is stuck: equal values in a row",
+    "no_signal": "carries no signal above its noise",
+}
 SUSPECT = ("gain_step", "clock_slip", "noisy", "spike", "sensor_clip")
 CORRECTED = ("bias", "drift")
 
 
 @dataclass(frozen=True, eq=False)
 class Cycles:
-    """Features of one channel over consecutive cycles, arrays of (cycles,): mean; fundamental, peak phasor; fast: rms
-    of the second differences of what the mean cycle leaves, and crest, their largest over that. spike: their largest
-    over the twentieth largest elsewhere; stuck: most equal values in a row; peak: largest magnitude; quiet: of a free
-    motion the decile of the fourth differences' magnitudes, else nothing, (0,)."""
+    """Features of one channel over consecutive cycles, arrays of (cycles,): mean; fundamental, peak
+    phasor; fast: rms of the second differences of what the mean cycle leaves, and crest, their
+    largest over that. spike: their largest over the twentieth largest elsewhere; stuck: most equal
+    values in a row; peak: largest magnitude; quiet: of a free motion the decile of the fourth
+    differences' magnitudes, else nothing, (0,)."""
 
     mean: Array
     fundamental: Complex
@@ -64,10 +83,12 @@ class Cycles:
     quiet: Array
 
 
-def features(samples: Array, cycles: int, smooth: bool, stuck: int = 1, free: bool = False) -> Cycles:
-    """Features of a window of whole cycles, (cycles * points,), poles not undone. smooth: nothing in the condition
-    knocks at this channel; only then does a lone spike mean anything, and only then is it looked for. stuck: of the
-    samples as recorded. free: no waveform is held."""
+def features(
+    samples: Array, cycles: int, smooth: bool, stuck: int = 1, free: bool = False
+) -> Cycles:
+    """Features of a window of whole cycles, (cycles * points,), poles not undone. smooth: nothing
+    in the condition knocks at this channel; only then does a lone spike mean anything, and only
+    then is it looked for. stuck: of the samples as recorded. free: no waveform is held."""
     points = samples.size // cycles
     mean, parts, rms, top, peak = cycle_features(samples, cycles, _turn(points))
     lone = smooth and float(top.max()) > GAUSSIAN * float(np.sqrt((rms**2).mean()))
@@ -99,22 +120,35 @@ def _fast(x: Array) -> Array:
 
 
 class Scrutiny:
-    """Looks at a run's force and acceleration stretch by stretch, in constant memory; each stretch is compared with the
-    one before it and with the first."""
+    """Looks at a run's force and acceleration stretch by stretch, in constant memory; each stretch
+    is compared with the one before it and with the first."""
 
     def __init__(self, channels: Sequence[ChannelFacts], setting: Setting) -> None:
-        self._channels, self._smooth, self._omega = channels, _smooth(setting), 2 * math.pi * setting.frequency
-        self._settled, self._free = setting.settle_cycles / setting.frequency, setting.drive == "coupled"
+        self._channels, self._smooth, self._omega = (
+            channels,
+            _smooth(setting),
+            2 * math.pi * setting.frequency,
+        )
+        self._settled, self._free = (
+            setting.settle_cycles / setting.frequency,
+            setting.drive == "shaker",
+        )
         self._known: list[tuple[Cycles, ...]] = [() for _ in channels]
         self._found: dict[tuple[str, str], None] = {}
 
     def add(self, signals: Sequence[Signal], on_grid: Sequence[Array], cycles: int) -> None:
         """The next stretch: signals as recorded, and with a whole number of points to each cycle."""
-        for k, (channel, signal, values) in enumerate(zip(self._channels, signals, on_grid, strict=True)):
+        for k, (channel, signal, values) in enumerate(
+            zip(self._channels, signals, on_grid, strict=True)
+        ):
             stuck = 1 if signal.flags & OVERLOAD else longest_stuck(signal.samples)
-            part = features(np.ascontiguousarray(values), cycles, self._smooth[k], stuck, self._free)
+            part = features(
+                np.ascontiguousarray(values), cycles, self._smooth[k], stuck, self._free
+            )
             names = doubts(channel, part, self._omega, self._settled, self._smooth[k])
-            known = self._known[k][-1:] if self._free else self._known[k]  # a free motion may glide from the first one
+            known = (
+                self._known[k][-1:] if self._free else self._known[k]
+            )  # a free motion may glide from the first one
             for other in known:
                 names += changes(channel, other, part, self._omega, self._settled)
             self._found |= dict.fromkeys((name, channel.name) for name in names)
@@ -129,9 +163,13 @@ class Scrutiny:
 
 
 def _smooth(setting: Setting) -> tuple[bool, bool]:
-    """Whether nothing knocks at force and acceleration: a programmed motion, a box in which nothing slides."""
-    servo = setting.drive == "servo"
-    return servo and (setting.is_empty or setting.is_bonded or setting.bed == "dashpot"), servo
+    """Whether nothing knocks at force and acceleration: a programmed motion, a box in which nothing
+    slides.
+    """
+    prescribed = setting.drive == "prescribed"
+    return prescribed and (
+        setting.is_empty or setting.is_bonded or setting.bed == "dashpot"
+    ), prescribed
 
 
 def longest_stuck(samples: Array) -> int:
@@ -143,15 +181,20 @@ def longest_stuck(samples: Array) -> int:
     return int((edges[1::2] - edges[::2]).max()) + 1
 
 
-def doubts(channel: ChannelFacts, part: Cycles, omega: float, settled: float, smooth: bool) -> tuple[str, ...]:
-    """Names of what is wrong with a channel over a stretch. omega: rad/s; settled: s from the drive's start to the
-    window (what is left of the poles' start is no fault); smooth: as for `features`."""
+def doubts(
+    channel: ChannelFacts, part: Cycles, omega: float, settled: float, smooth: bool
+) -> tuple[str, ...]:
+    """Names of what is wrong with a channel over a stretch. omega: rad/s; settled: s from the
+    drive's start to the window (what is left of the poles' start is no fault); smooth: as for
+    `features`."""
     found = ["stuck"] if part.stuck >= STUCK else []
     middle = complex(part.fundamental.mean())
     if abs(middle) <= NOTHING * channel.noise_rms:
         return (*found, "no_signal")
     # of second differences of white noise, rounding included
-    floor = math.sqrt(6.0 * (channel.noise_rms**2 + (channel.scale / channel.sensitivity) ** 2 / 12))
+    floor = math.sqrt(
+        6.0 * (channel.noise_rms**2 + (channel.scale / channel.sensitivity) ** 2 / 12)
+    )
     stated = smooth and channel.noise_rms > 0  # else the other cycles are the measure
     usual = floor if stated else max(_median(part.fast), floor)
     loud = part.fast > NOISY * usual
@@ -172,7 +215,9 @@ def doubts(channel: ChannelFacts, part: Cycles, omega: float, settled: float, sm
     return tuple(found)
 
 
-def changes(channel: ChannelFacts, one: Cycles, other: Cycles, omega: float, settled: float) -> tuple[str, ...]:
+def changes(
+    channel: ChannelFacts, one: Cycles, other: Cycles, omega: float, settled: float
+) -> tuple[str, ...]:
     """Names of what changed in a channel from one stretch to another."""
     middle = complex(one.fundamental.mean())
     level = abs(middle)
@@ -193,7 +238,9 @@ def changes(channel: ChannelFacts, one: Cycles, other: Cycles, omega: float, set
 
 
 def _of_start(channel: ChannelFacts, omega: float, settled: float) -> float:
-    """How far the mean may slide as the poles' start dies away, over the fundamental, with a factor of 2."""
+    """How far the mean may slide as the poles' start dies away, over the fundamental, with a factor
+    of 2.
+    """
     return 2 * sum(math.exp(-settled / tau) / (omega * tau) for tau in channel.time_constants)
 
 
@@ -204,7 +251,9 @@ def _median(values: Array) -> float:
 
 
 def _lone(fast: Array) -> float:
-    """The largest value over the twentieth largest of those more than 8 places away; 0 where there are too few."""
+    """The largest value over the twentieth largest of those more than 8 places away; 0 where there
+    are too few.
+    """
     top = int(fast.argmax())
     others = np.concatenate((fast[: max(top - 8, 0)], fast[top + 9 :]))
     if others.size < 200:
@@ -214,14 +263,17 @@ def _lone(fast: Array) -> float:
 
 
 def _loud(quiet: Array, floor: float) -> NDArray[np.bool_]:
-    """Whether each cycle's quiet part is louder than usual by NOISY, and by SURE of the deviations that the cycles have
-    (robust, of the logarithm: a motion's roughness varies in proportion). floor: rms of the certified noise's second
-    differences; the normal decile of magnitudes is 0.126 of the rms. All are where nothing is known of it, (1,)."""
+    """Whether each cycle's quiet part is louder than usual by NOISY, and by SURE of the deviations
+    that the cycles have (robust, of the logarithm: a motion's roughness varies in proportion).
+    floor: rms of the certified noise's second differences; the normal decile of magnitudes is 0.126
+    of the rms. All are where nothing is known of it, (1,)."""
     if not quiet.size:
         return np.ones(1, dtype=np.bool_)
     level = np.log(np.maximum(quiet, max(0.126 * FOURTH * floor, math.ulp(0.0))))
     above = level - np.median(level)
-    deviation = 1.4826 * float(np.median(np.abs(above)))  # a normal deviation from the median magnitude
+    deviation = 1.4826 * float(
+        np.median(np.abs(above))
+    )  # a normal deviation from the median magnitude
     return np.asarray((above > math.log(NOISY)) & (above > SURE * deviation))
 
 
@@ -231,10 +283,11 @@ def _gap(a: Array, b: Array) -> float:
 
 
 def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
-    """Whether a series steps or slides by more than `least`, and by more than its scatter explains: the largest
-    difference between the means before and after a place. sudden: share of the step that must be empty between all
-    values before and all after, the two at the place left out (the step may lie within one of them), with BESIDE cycles
-    on either side (the end of a glide looks like a step otherwise)."""
+    """Whether a series steps or slides by more than `least`, and by more than its scatter explains:
+    the largest difference between the means before and after a place. sudden: share of the step
+    that must be empty between all values before and all after, the two at the place left out (the
+    step may lie within one of them), with BESIDE cycles on either side (the end of a glide looks
+    like a step otherwise)."""
     n = series.size
     if n < 8 or float(series.max() - series.min()) <= least:
         return False
@@ -243,23 +296,28 @@ def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
     steps = (total - before) / (n - k) - before / k
     place = int(np.abs(steps).argmax())
     size, cut = abs(float(steps[place])), int(k[place])
-    if sudden and (min(cut, n - cut) < BESIDE or _gap(series[: cut - 1], series[cut + 1 :]) < sudden * size):
+    if sudden and (
+        min(cut, n - cut) < BESIDE or _gap(series[: cut - 1], series[cut + 1 :]) < sudden * size
+    ):
         return False
     return size > least and size > SURE * _scatter(series) * math.sqrt(1 / cut + 1 / (n - cut))
 
 
 def _apart(a: Array, b: Array, least: float, sudden: float = 0.0) -> bool:
-    """Whether two stretches differ by more than `least`, and by more than their scatter explains. sudden: share of the
-    difference that must be empty between them."""
+    """Whether two stretches differ by more than `least`, and by more than their scatter explains.
+    sudden: share of the difference that must be empty between them."""
     size = abs(float(b.mean() - a.mean()))
     if min(a.size, b.size) < 8 or size <= least or (sudden and _gap(a, b) < sudden * size):
         return False
-    return size > SURE * math.hypot(_scatter(a) / math.sqrt(a.size), _scatter(b) / math.sqrt(b.size))
+    return size > SURE * math.hypot(
+        _scatter(a) / math.sqrt(a.size), _scatter(b) / math.sqrt(b.size)
+    )
 
 
 def _scatter(series: Array) -> float:
-    """Standard deviation of a series by the differences of neighbours, the two largest left out: a step, a slope and a
-    single bad cycle do not raise it, and alternation from cycle to cycle, as beds have it, is counted in full."""
+    """Standard deviation of a series by the differences of neighbours, the two largest left out: a
+    step, a slope and a single bad cycle do not raise it, and alternation from cycle to cycle, as
+    beds have it, is counted in full."""
     differences = np.sort(np.abs(np.diff(series)))[:-2]
     return math.sqrt(float((differences**2).mean()) / 2)
 

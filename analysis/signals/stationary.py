@@ -1,4 +1,6 @@
-"""Whether a record is steady, and at which frequency: before whole cycles of somebody else's record are trusted."""
+"""Whether a record is steady, and at which frequency: before whole cycles of somebody else's record
+are trusted.
+"""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +20,9 @@ STRETCHES = 8
 """Equal stretches of whole cycles whose fundamentals are compared."""
 
 NEAR = 0.45
-"""How far from a stated drive frequency, relative, its line is looked for: neither a harmonic nor half of it."""
+"""How far from a stated drive frequency, relative, its line is looked for: neither a harmonic nor
+half of it.
+"""
 
 ROUNDS = 20
 CONVERGED = 1e-12
@@ -28,8 +32,9 @@ CONVERGED = 1e-12
 class Steadiness:
     """How far a record is from a steady one.
 
-    level: (largest - least) amplitude of the fundamental over the stretches, over its mean; phase: largest deviation
-    of the stretches' phases from a straight line, rad; residual: rms of what is no harmonic over the fundamental's.
+    level: (largest - least) amplitude of the fundamental over the stretches, over its mean; phase:
+    largest deviation of the stretches' phases from a straight line, rad; residual: rms of what is
+    no harmonic over the fundamental's.
     """
 
     level: float
@@ -40,9 +45,10 @@ class Steadiness:
 def drive_frequency(signal: Array, rate: float, guess: float | None = None) -> float:
     """Frequency of the strongest sine in a record, Hz.
 
-    guess: Hz; the strongest line within `NEAR` of it is taken, None: the strongest above the first two. It is refined
-    by the phase slope of the fundamental over two halves of a Hann-weighted record, to convergence: exact for a sine,
-    and for one with harmonics as far as the window keeps them apart. AnalysisError where there is no sine to be found.
+    guess: Hz; the strongest line within `NEAR` of it is taken, None: the strongest above the first
+    two. It is refined by the phase slope of the fundamental over two halves of a Hann-weighted
+    record, to convergence: exact for a sine, and for one with harmonics as far as the window keeps
+    them apart. AnalysisError where there is no sine to be found.
     """
     count = signal.size
     window = np.hanning(count)
@@ -72,17 +78,23 @@ def _correction(signal: Array, rate: float, frequency: float) -> float:
     half = signal.size // 2
     turn = np.exp(-2j * np.pi * frequency / rate * np.arange(half))
     window = np.hanning(half)
-    first, second = (((part - part.mean()) * window) @ turn for part in (signal[:half], signal[half : 2 * half]))
+    first, second = (
+        ((part - part.mean()) * window) @ turn for part in (signal[:half], signal[half : 2 * half])
+    )
     expected = np.exp(2j * np.pi * frequency / rate * half)
     return float(np.angle(second * np.conj(first * expected))) * rate / (2 * math.pi * half)
 
 
 def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
-    """How steady a record at `rate` (Hz) is at its drive frequency (Hz). AnalysisError below FEWEST_CYCLES cycles."""
+    """How steady a record at `rate` (Hz) is at its drive frequency (Hz). AnalysisError below
+    FEWEST_CYCLES cycles.
+    """
     period = rate / frequency
     cycles = math.floor(signal.size / period)
     if cycles < FEWEST_CYCLES:
-        raise AnalysisError(f"{cycles} whole cycles at {frequency:.6g} Hz: at least {FEWEST_CYCLES} are needed")
+        raise AnalysisError(
+            f"{cycles} whole cycles at {frequency:.6g} Hz: at least {FEWEST_CYCLES} are needed"
+        )
     stretches = min(STRETCHES, cycles)
     edges = [round(n * (cycles // stretches) * period) for n in range(stretches + 1)]
     phasors = np.array([fundamental(signal[a:b], a, rate, frequency) for a, b in pairwise(edges)])
@@ -96,7 +108,9 @@ def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
 
 
 def fundamental(part: Array, start: int, rate: float, frequency: float) -> complex:
-    """Least-squares phasor of a stretch: sine, cosine and mean (a stretch need not be whole samples long)."""
+    """Least-squares phasor of a stretch: sine, cosine and mean (a stretch need not be whole samples
+    long).
+    """
     angle = 2 * math.pi * frequency / rate * (start + np.arange(part.size))
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones(part.size)], axis=1)
     cosine, sine, _ = np.linalg.lstsq(basis, part, rcond=None)[0]
@@ -104,12 +118,16 @@ def fundamental(part: Array, start: int, rate: float, frequency: float) -> compl
 
 
 def noise_rms(signal: Array, period: float) -> float:
-    """Rms of what does not repeat from cycle to cycle (unit of the signal): differences of neighbours a cycle apart."""
+    """Rms of what does not repeat from cycle to cycle (unit of the signal): differences of
+    neighbours a cycle apart.
+    """
     return _residual(signal, period)
 
 
 def _residual(signal: Array, period: float) -> float:
-    """Rms over sqrt(2) of the signal less itself one period later (linear interpolation between samples)."""
+    """Rms over sqrt(2) of the signal less itself one period later (linear interpolation between
+    samples).
+    """
     whole, part = divmod(period, 1.0)
     later = signal[int(whole) :]
     later = later[:-1] * (1 - part) + later[1:] * part

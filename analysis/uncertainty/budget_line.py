@@ -7,11 +7,13 @@ __all__ = ["Line"]
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every condition.
+    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every
+    condition.
 
-    ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad, counted in the
-    direction that raises W. Apparent mass and loss factor follow from these two (`mass_and_loss`). stretch:
-    factor in u, of the scatter between runs (`analysis.uncertainty.skewed_scatter`).
+    ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad,
+    counted in the direction that raises W. Apparent mass and loss factor follow from these two
+    (`mass_and_loss`). stretch: factor in u, of the scatter between runs
+    (`analysis.uncertainty.skewed_scatter`).
     """
 
     source: str

@@ -17,14 +17,17 @@ LEVEL = 0.95  # coverage probability of every expanded uncertainty
 UNBOUNDED = 1e6  # degrees of freedom beyond which nothing is told from infinity
 FEW = 30.0  # degrees of freedom below which a part's own uncertainty is an estimate from few values
 PRIOR = 1.4
-"""0 adds Student's errors, as GUM Supplement 1 does: up to 97.6 % instead of 95 % at 3 values. 2 is right to second
-order for many values (Ghosh and Kim, Canad. J. Statist. 29, 5 (2001)): down to 93.2 % at 3. Between them the largest
-error of the coverage, over all shares, is least: 94.2 to 95.9 % at 3 values, 94.7 to 95.6 % at 4 (tests)."""
+"""0 adds Student's errors, as GUM Supplement 1 does: up to 97.6 % instead of 95 % at 3 values. 2 is
+right to second order for many values (Ghosh and Kim, Canad. J. Statist. 29, 5 (2001)): down to 93.2
+% at 3. Between them the largest error of the coverage, over all shares, is least: 94.2 to 95.9 % at
+3 values, 94.7 to 95.6 % at 4 (tests)."""
 NODES = 64, 16  # of the quadratures over the two groups' variances: k is good to 1e-4 (tests)
 
 
 def coverage_factor(nu: float, level: float = LEVEL) -> float:
-    """Two-sided coverage factor k of Student's t at `nu` degrees of freedom (GUM G.3): 1.96 at infinity, 3.18 at 3."""
+    """Two-sided coverage factor k of Student's t at `nu` degrees of freedom (GUM G.3): 1.96 at
+    infinity, 3.18 at 3.
+    """
     from scipy.special import ndtri, stdtrit
 
     p = 0.5 + level / 2
@@ -32,7 +35,8 @@ def coverage_factor(nu: float, level: float = LEVEL) -> float:
 
 
 def effective_dof(parts: Sequence[Part]) -> float:
-    """Welch-Satterthwaite degrees of freedom (GUM eq. G.2b) of a sum with parts (standard uncertainty, nu).
+    """Welch-Satterthwaite degrees of freedom (GUM eq. G.2b) of a sum with parts (standard
+    uncertainty, nu).
 
     Infinite where no part with finite nu contributes.
     """
@@ -45,12 +49,14 @@ def effective_dof(parts: Sequence[Part]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value, its standard uncertainty u (same unit) and the effective degrees of freedom nu of u (inf allowed).
+    """A value, its standard uncertainty u (same unit) and the effective degrees of freedom nu of u
+    (inf allowed).
 
-    groups: (u, nu) of what was estimated from few values and of the rest, where both contribute. Their u are added in
-    quadrature, but k is not Student's at nu: where a handful of refills scatter little by chance, nu comes out large
-    beside the certificates and U too small, so that it holds the truth in 92 % instead of 95 % of the cases (3 refills,
-    certificates of half their uncertainty). k is that of the Behrens-Fisher problem instead, see _spread_of.
+    groups: (u, nu) of what was estimated from few values and of the rest, where both contribute.
+    Their u are added in quadrature, but k is not Student's at nu: where a handful of refills
+    scatter little by chance, nu comes out large beside the certificates and U too small, so that it
+    holds the truth in 92 % instead of 95 % of the cases (3 refills, certificates of half their
+    uncertainty). k is that of the Behrens-Fisher problem instead, see _spread_of.
     """
 
     value: float
@@ -60,9 +66,12 @@ class Estimate:
 
     @classmethod
     def of(cls, value: float, parts: Sequence[Part]) -> "Estimate":
-        """From independent parts (standard uncertainty in the value's unit, nu), Welch-Satterthwaite within each of the
-        two groups."""
-        few, rest = ([part for part in parts if part[0] and (part[1] < FEW) == small] for small in (True, False))
+        """From independent parts (standard uncertainty in the value's unit, nu),
+        Welch-Satterthwaite within each of the two groups."""
+        few, rest = (
+            [part for part in parts if part[0] and (part[1] < FEW) == small]
+            for small in (True, False)
+        )
         groups = tuple((_root(group), effective_dof(group)) for group in (few, rest) if group)
         return cls(value, _root(parts), effective_dof(parts), groups if len(groups) > 1 else ())
 
@@ -96,7 +105,9 @@ class Estimate:
         t = abs(self.value) / self.u
         if not self.groups:
             return float(2 * (ndtr(-t) if math.isinf(self.nu) else stdtr(self.nu, -t)))
-        inverse, weights = _spread_of((self.groups[0][0] / self.u) ** 2, self.groups[0][1], self.groups[1][1])
+        inverse, weights = _spread_of(
+            (self.groups[0][0] / self.u) ** 2, self.groups[0][1], self.groups[1][1]
+        )
         return float(weights @ (2 * ndtr(-t * inverse)))
 
 
@@ -106,7 +117,9 @@ def _root(parts: Sequence[Part]) -> float:
 
 @lru_cache(maxsize=2**17)
 def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
-    """k of two groups by Halley's method, started at Welch and Satterthwaite's: each step triples the digits."""
+    """k of two groups by Halley's method, started at Welch and Satterthwaite's: each step triples
+    the digits.
+    """
     from scipy.special import ndtr
 
     inverse, weights = _spread_of(share, nu_few, nu_rest)
@@ -123,10 +136,12 @@ def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
 
 
 def _spread_of(share: float, nu_few: float, nu_rest: float) -> tuple[Array, Array]:
-    """What an error over u is distributed like: a mixture of normals, as 1/(standard deviation) and weights.
+    """What an error over u is distributed like: a mixture of normals, as 1/(standard deviation) and
+    weights.
 
-    share: of u^2 that comes from the first group. It is the posterior under the prior (s1 s2)^-(1 + PRIOR)
-    (s1^2 + s2^2)^(PRIOR/2) of the two groups' true uncertainties s, under which a group alone has Student's k.
+    share: of u^2 that comes from the first group. It is the posterior under the prior (s1 s2)^-(1 +
+    PRIOR) (s1^2 + s2^2)^(PRIOR/2) of the two groups' true uncertainties s, under which a group
+    alone has Student's k.
     """
     few, w_few = _variances(nu_few, NODES[0])
     rest, w_rest = _variances(nu_rest, NODES[1])
@@ -137,8 +152,9 @@ def _spread_of(share: float, nu_few: float, nu_rest: float) -> tuple[Array, Arra
 
 @lru_cache(maxsize=256)
 def _variances(nu: float, nodes: int) -> tuple[Array, Array]:
-    """nu over chi^2 with nu + PRIOR degrees of freedom at the nodes of a quadrature over its probability, and their
-    weights; in the fourth root of the probability, because the variance is large where that is small."""
+    """nu over chi^2 with nu + PRIOR degrees of freedom at the nodes of a quadrature over its
+    probability, and their weights; in the fourth root of the probability, because the variance is
+    large where that is small."""
     from scipy.special import gammaincinv
 
     if math.isinf(nu):

@@ -23,9 +23,9 @@ Part = tuple[float, float]  # variance, degrees of freedom
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """What the variances, over the expected ones, have in common: their size, the degrees of freedom nu that it is
-    worth (inf: all are the same); pooled, their mean; most, the degrees of freedom of all conditions, which none can
-    exceed."""
+    """What the variances, over the expected ones, have in common: their size, the degrees of
+    freedom nu that it is worth (inf: all are the same); pooled, their mean; most, the degrees of
+    freedom of all conditions, which none can exceed."""
 
     variance: float
     nu: float
@@ -33,12 +33,13 @@ class Prior:
     most: float
 
     def moderated(self, variance: float, nu: float, expected: float | None = None) -> Part:
-        """A condition's variance with its degrees of freedom, from its own (nu = 0 without repeats). expected: None
-        where nothing is known of any.
+        """A condition's variance with its degrees of freedom, from its own (nu = 0 without
+        repeats). expected: None where nothing is known of any.
 
-        Never less than its own: refills have long tails, and those that hold one err by as much as they scatter.
-        Where nothing is expected never less than the mean of all either: a small variance of a few refills is more
-        often chance. Both keep false exclusions of the best at 5 % (tests/physics/test_claims_scatter.py).
+        Never less than its own: refills have long tails, and those that hold one err by as much as
+        they scatter. Where nothing is expected never less than the mean of all either: a small
+        variance of a few refills is more often chance. Both keep false exclusions of the best at 5
+        % (tests/physics/test_claims_scatter.py).
         """
         least = max(variance, self.pooled if expected is None else 0.0)
         common = self.variance * (1.0 if expected is None else expected)

@@ -41,7 +41,9 @@ def _tail(t: Array, inverse: Array) -> Array:
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
-    """Holm's adjusted p values (Scand. J. Statist. 6, 65 (1979)), in the order given: p <= level rejects."""
+    """Holm's adjusted p values (Scand. J. Statist. 6, 65 (1979)), in the order given: p <= level
+    rejects.
+    """
     order = sorted(range(len(p_values)), key=p_values.__getitem__)
     adjusted = [0.0] * len(p_values)
     worst = 0.0
@@ -63,13 +65,13 @@ def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]
 def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
     """Return the p value of each mean for the hypothesis that it is the best.
 
-    The means with p above a level contain the best with a probability of at least 1 - level (multiple
-    comparisons with the best; Hsu, Ann. Statist. 9, 1026 (1981)).
+    The means with p above a level contain the best with a probability of at least 1 - level
+    (multiple comparisons with the best; Hsu, Ann. Statist. 9, 1026 (1981)).
 
-    Means scatter differently, so each comparison has its own error and degrees of freedom. The clearest
-    comparison of a mean is judged against the distribution of the clearest of as many by chance. All of
-    them share the mean's own error: a mean that scatters much is compared with all others at nearly the
-    level of a single test. most: see `welch`.
+    Means scatter differently, so each comparison has its own error and degrees of freedom. The
+    clearest comparison of a mean is judged against the distribution of the clearest of as many by
+    chance. All of them share the mean's own error: a mean that scatters much is compared with all
+    others at nearly the level of a single test. most: see `welch`.
     """
     from scipy.special import ndtr, ndtri
 
@@ -90,16 +92,24 @@ def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
         inverse = np.maximum((other**2 / nu[there] + v**2 / dof) / (other + v) ** 2, 1 / most)
         score = -float(ndtri(_tail(t, inverse).min()))
         reach = (score * np.sqrt(other + v))[:, None] + math.sqrt(v) * own
-        found.append(1.0 - float((ndtr(reach / np.sqrt(other)[:, None]) ** count[:, None]).prod(axis=0) @ weights))
+        found.append(
+            1.0
+            - float(
+                (ndtr(reach / np.sqrt(other)[:, None]) ** count[:, None]).prod(axis=0) @ weights
+            )
+        )
     return tuple(found)
 
 
-def _alike(means: Sequence[Mean]) -> tuple[NDArray[np.int64], Array, Array, Array, Array, NDArray[np.int64]]:
-    """Return the group of each mean, and of each group the largest two means, variance, degrees of freedom and size.
+def _alike(
+    means: Sequence[Mean],
+) -> tuple[NDArray[np.int64], Array, Array, Array, Array, NDArray[np.int64]]:
+    """Return the group of each mean, and of each group the largest two means, variance, degrees of
+    freedom and size.
 
-    Up to `GROUPS` means stand alone, and all is exact. More are put together with those that scatter nearly as much:
-    each is taken for the mean variance of its group and the fewest degrees of freedom in it, so that the work grows
-    with the means and not with their pairs.
+    Up to `GROUPS` means stand alone, and all is exact. More are put together with those that
+    scatter nearly as much: each is taken for the mean variance of its group and the fewest degrees
+    of freedom in it, so that the work grows with the means and not with their pairs.
     """
     value, variance, nu = np.array(means).T
     order = np.argsort(variance, kind="stable")
@@ -111,7 +121,14 @@ def _alike(means: Sequence[Mean]) -> tuple[NDArray[np.int64], Array, Array, Arra
     by_value = np.lexsort((-value, group))  # the largest of each group first
     second = np.where(size > 1, value[by_value[np.minimum(starts + 1, len(means) - 1)]], -math.inf)
     mean = np.add.reduceat(variance[order], starts) / size
-    return group, value[by_value[starts]], second, mean, np.minimum.reduceat(nu[order], starts), size
+    return (
+        group,
+        value[by_value[starts]],
+        second,
+        mean,
+        np.minimum.reduceat(nu[order], starts),
+        size,
+    )
 
 
 @lru_cache(maxsize=1)

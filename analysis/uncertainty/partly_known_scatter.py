@@ -30,7 +30,9 @@ HALVED = 1e-12  # of the interval's half-width: how well it is found
 NEGLIGIBLE = 14.0  # of ln(weight) below the highest
 
 
-def coefficient(design: Array, values: Array, known: Array, shapes: Sequence[Array], which: int) -> Estimate:
+def coefficient(
+    design: Array, values: Array, known: Array, shapes: Sequence[Array], which: int
+) -> Estimate:
     """Return coefficient `which` of values = design @ coefficients.
 
     design: (runs, unknowns), of full rank, more runs than unknowns; known: (runs,) variances of
@@ -93,9 +95,13 @@ def _as_student(start: float, weight: Array, mean: Array, variance: Array) -> Es
     nu = 2 / openness if openness > 2 / UNBOUNDED else math.inf
 
     def inside(half: float) -> float:
-        return float(weight @ (ndtr((half - mean + center) / spread) - ndtr((-half - mean + center) / spread)))
+        return float(
+            weight
+            @ (ndtr((half - mean + center) / spread) - ndtr((-half - mean + center) / spread))
+        )
 
-    # halved, not scipy.optimize's root: importing that takes longer than all other numbers of a report
+    # halved, not scipy.optimize's root: importing that takes longer than all other numbers of a
+    # report
     least, most = 0.0, 2 * float(np.max(np.abs(mean - center) + 2 * spread))
     while most - least > HALVED * most:
         half = (least + most) / 2

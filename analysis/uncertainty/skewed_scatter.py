@@ -1,8 +1,9 @@
-"""What a skewed scatter of refills does to Student's interval, found with the prediction's own refills.
+"""What a skewed scatter of refills does to Student's interval, found with the prediction's own
+refills.
 
-Student's t assumes a normal scatter. Where a few refills lie far below all others, four of them mostly
-miss these, err high and agree too well: of a skew of -1.5 it holds the mean in 88 % instead of 95.
-Neither logarithms nor a bootstrap of the four mend it; knowing the distribution does.
+Student's t assumes a normal scatter. Where a few refills lie far below all others, four of them
+mostly miss these, err high and agree too well: of a skew of -1.5 it holds the mean in 88 % instead
+of 95. Neither logarithms nor a bootstrap of the four mend it; knowing the distribution does.
 """
 
 from collections.abc import Sequence
@@ -34,8 +35,8 @@ def skew(values: Sequence[float]) -> float:
 
 @lru_cache(maxsize=4096)
 def stretch(refills: tuple[float, ...], n: int) -> float:
-    """Return the factor on the scatter of n refills with which Student's interval of their mean holds what it states, 1
-    at least and where nothing is known.
+    """Return the factor on the scatter of n refills with which Student's interval of their mean
+    holds what it states, 1 at least and where nothing is known.
 
     refills: energies of poured beds in any unit, as predicted
     """
@@ -57,5 +58,7 @@ def sessions_of(refills: Array, n: int, count: int) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=32)
 def _places(size: int, n: int, count: int) -> NDArray[np.int64]:
-    """Return which of `size` refills each of n is, in each session, shape (n, count): the same for all conditions."""
+    """Return which of `size` refills each of n is, in each session, shape (n, count): the same for
+    all conditions.
+    """
     return np.ascontiguousarray(np.random.default_rng([SEED, n]).integers(0, size, (count, n)).T)

@@ -1,9 +1,10 @@
 """Straight line through points with errors in both coordinates, any of them correlated.
 
-Generalised least squares, the problem of ISO/TS 28037:2010 clause 10; for points that are independent of each other it
-is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and ODRPACK takes no covariance between points, which
-is what instruments that all conditions share make. That covariance is of low rank, so that no matrix of points by
-points is ever made: time and memory grow as their number.
+Generalised least squares, the problem of ISO/TS 28037:2010 clause 10; for points that are
+independent of each other it is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and
+ODRPACK takes no covariance between points, which is what instruments that all conditions share
+make. That covariance is of low rank, so that no matrix of points by points is ever made: time and
+memory grow as their number.
 """
 
 import math
@@ -25,8 +26,8 @@ ROUNDED = 1e-6  # below it a change that is no smaller than the last one is roun
 class Errors:
     """Errors of m points: what each has of its own, and what r sources make in all of them.
 
-    own_x, own_y, own_xy: variances of x and of y and their covariance, (m,). common_x, common_y: what one standard
-    deviation of each source does to x and to y, (m, r).
+    own_x, own_y, own_xy: variances of x and of y and their covariance, (m,). common_x, common_y:
+    what one standard deviation of each source does to x and to y, (m, r).
     """
 
     own_x: Array
@@ -44,15 +45,18 @@ class Errors:
 class Weight:
     """The inverse of the covariance of y - slope x.
 
-    That covariance is R (1 + B B^T) R with R diagonal and B of low rank; with the singular values s of B and its left
-    vectors Q the inverse is R^-1 (1 - Q Q^T + Q (1 + s^2)^-1 Q^T) R^-1 (Woodbury's, in the form that does not cancel:
-    an error in common can be hundreds of times a point's own).
+    That covariance is R (1 + B B^T) R with R diagonal and B of low rank; with the singular values s
+    of B and its left vectors Q the inverse is R^-1 (1 - Q Q^T + Q (1 + s^2)^-1 Q^T) R^-1
+    (Woodbury's, in the form that does not cancel: an error in common can be hundreds of times a
+    point's own).
     """
 
     def __init__(self, errors: Errors, slope: float) -> None:
         variance = errors.own_y - 2 * slope * errors.own_xy + slope**2 * errors.own_x
         if not np.all(variance > 0):
-            raise ValueError("a point has no error of its own: the covariance is not positive definite")
+            raise ValueError(
+                "a point has no error of its own: the covariance is not positive definite"
+            )
         self._root = np.sqrt(variance)[:, None]
         common = (errors.common_y - slope * errors.common_x) / self._root
         self._Q, s, _ = np.linalg.svd(common, full_matrices=False)
@@ -75,9 +79,10 @@ class Weight:
 class StraightLine:
     """y = slope x + intercept. intercept: 0 where the line is led through the origin.
 
-    covariance: of (slope, intercept), or of the slope alone (1, 1). to_y: derivatives of the slope with respect to
-    each y, those with respect to each x are -slope times them; offset_to_y: the same of the intercept (zeros through
-    the origin). chi2: sum of squares weighted with the covariance, of dof degrees of freedom where the line is true.
+    covariance: of (slope, intercept), or of the slope alone (1, 1). to_y: derivatives of the slope
+    with respect to each y, those with respect to each x are -slope times them; offset_to_y: the
+    same of the intercept (zeros through the origin). chi2: sum of squares weighted with the
+    covariance, of dof degrees of freedom where the line is true.
     """
 
     slope: float
@@ -92,8 +97,8 @@ class StraightLine:
 def fitted(x: Array, y: Array, errors: Errors, origin: bool = False) -> StraightLine:
     """The line through points x, y, (m,).
 
-    origin: lead it through the origin. ValueError for fewer points than the line has parameters, or a point without an
-    error of its own.
+    origin: lead it through the origin. ValueError for fewer points than the line has parameters, or
+    a point without an error of its own.
     """
     m, count = len(x), 1 if origin else 2
     if m < count:

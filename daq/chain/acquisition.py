@@ -47,9 +47,13 @@ class Emulated:
 
     def __init__(self, source: AnalogSource, frontend: FrontEnd) -> None:
         if source.names != frontend.names:
-            raise ValueError(f"the source has the channels {source.names}, the front end {frontend.names}")
+            raise ValueError(
+                f"the source has the channels {source.names}, the front end {frontend.names}"
+            )
         if abs(source.rate - OVERSAMPLING * frontend.rate) > LARGEST_CLOCK_ERROR * source.rate:
-            raise ValueError(f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz")
+            raise ValueError(
+                f"the source runs at {source.rate} Hz, expected {OVERSAMPLING} x {frontend.rate} Hz"
+            )
         self._source = source
         # Asked once: isinstance of a Protocol is slow.
         self._clipping = source if isinstance(source, Clipping) else None
@@ -81,7 +85,9 @@ class Emulated:
             raise ValueError(f"{n} samples were asked for")
         parts, have = [self._ahead], self._ahead.shape[1]
         while have < n:
-            parts.append(self._frontend.convert(self._source.volts(OVERSAMPLING * self._frontend.block)))
+            parts.append(
+                self._frontend.convert(self._source.volts(OVERSAMPLING * self._frontend.block))
+            )
             if self._clipping is not None:
                 self._note(self._clipping)
             self._converted += self._frontend.block
@@ -109,6 +115,12 @@ class Emulated:
         high = np.count_nonzero(codes == self._frontend.highest, axis=1)
         low = np.count_nonzero(codes == self._frontend.lowest, axis=1)
         settling = start < 2 * DELAY
-        flags = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0) + Flag.NOT_SETTLED * settling
+        flags = (
+            Flag.OVERLOAD_HI * (high > 0)
+            + Flag.OVERLOAD_LO * (low > 0)
+            + Flag.NOT_SETTLED * settling
+        )
         flags += Flag.SENSOR_CLIP * (sensor > 0)
-        return Block(start, codes, flags.astype(np.uint16), (high + low + sensor).astype(np.uint32), settling)
+        return Block(
+            start, codes, flags.astype(np.uint16), (high + low + sensor).astype(np.uint32), settling
+        )

@@ -86,7 +86,10 @@ class TransducerSpec:
         """1/f noise: density K (unit/sqrt(Hz)) at 1 Hz such that K^2/f plus the white floor covers
         every spot; 0 without spots.
         """
-        excess = (f * max(s**2 - self.noise_spots[-1] ** 2, 0.0) for f, s in zip(SPOTS, self.noise_spots, strict=False))
+        excess = (
+            f * max(s**2 - self.noise_spots[-1] ** 2, 0.0)
+            for f, s in zip(SPOTS, self.noise_spots, strict=False)
+        )
         return math.sqrt(max(excess, default=0.0))
 
 
@@ -155,7 +158,9 @@ def ideal_transducer(quantity: Quantity) -> TransducerSpec:
         "voltage": ("V", 0.1, 100.0),
         "current": ("A", 0.1, 100.0),
     }[quantity]
-    return TransducerSpec("ideal", quantity, unit, sensitivity, full_scale, None, 0.0, 0.0, 1e4, 0.0)
+    return TransducerSpec(
+        "ideal", quantity, unit, sensitivity, full_scale, None, 0.0, 0.0, 1e4, 0.0
+    )
 
 
 def ideal_analyzer() -> AnalyzerSpec:
@@ -163,7 +168,9 @@ def ideal_analyzer() -> AnalyzerSpec:
 
     It still filters, samples and rounds to 24 bit codes.
     """
-    return AnalyzerSpec("ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0, ac_tolerance=0.0)
+    return AnalyzerSpec(
+        "ideal", LISTED_RATES, noise_rms=0.0, gain_tolerance=0.0, clock_ppm=0.0, ac_tolerance=0.0
+    )
 
 
 @dataclass(frozen=True)
@@ -225,7 +232,9 @@ def draw_state(channel: Channel, analyzer: AnalyzerSpec, rng: np.random.Generato
     pole, corner, half = spec.time_constant, channel.corner, (spec.linearity or 0.0) / 2
     return ChannelState(
         sensitivity=spec.sensitivity * (1 + spec.calibration_U / 2 * float(z_sensitivity)),
-        time_constant=None if pole is None else pole * math.exp(spec.time_constant_spread * float(z_pole)),
+        time_constant=None
+        if pole is None
+        else pole * math.exp(spec.time_constant_spread * float(z_pole)),
         gain=1 + analyzer.gain_tolerance * float(u_gain),
         corner=None if corner is None else corner * (1 + analyzer.ac_tolerance * u_corner),
         skew=channel.skew + analyzer.skew * u_skew,
@@ -299,21 +308,43 @@ class ChannelInfo:
         return 0.0 if self.time_constant is None else 1 / (2 * math.pi * self.time_constant)
 
 
-def channel_info(channel: Channel, analyzer: AnalyzerSpec, rate: float, filter_delay: float) -> ChannelInfo:
+def channel_info(
+    channel: Channel, analyzer: AnalyzerSpec, rate: float, filter_delay: float
+) -> ChannelInfo:
     """Return the channel table row of a channel read by an analyzer at `rate` (Hz), from certified
     values only.
     """
     spec = channel.transducer
-    sensor, converter = spec.noise_in_band(rate), analyzer.noise_in_band(channel.range_V, rate) / spec.sensitivity
+    sensor, converter = (
+        spec.noise_in_band(rate),
+        analyzer.noise_in_band(channel.range_V, rate) / spec.sensitivity,
+    )
     return ChannelInfo(
-        name=channel.name, quantity=spec.quantity, unit=spec.unit, model=spec.model, serial=channel.serial,
-        direction=channel.direction, coupling=channel.coupling, range_V=channel.range_V,
-        scale=analyzer.volts_per_code(channel.range_V), offset=0.0, sensitivity=spec.sensitivity,
-        time_constant=spec.time_constant, time_constant_spread=spec.time_constant_spread,
-        filter_delay=filter_delay, skew=channel.skew, calibration_date=channel.calibration_date,
-        calibration_U=spec.calibration_U, gain_tolerance=analyzer.gain_tolerance, clock_ppm=analyzer.clock_ppm,
-        noise_rms=math.hypot(sensor, converter), corner=channel.corner or 0.0,
-        corner_tolerance=0.0 if channel.corner is None else analyzer.ac_tolerance, skew_tolerance=analyzer.skew,
-        flicker=spec.flicker, full_scale=spec.full_scale, linearity=spec.linearity or 0.0,
+        name=channel.name,
+        quantity=spec.quantity,
+        unit=spec.unit,
+        model=spec.model,
+        serial=channel.serial,
+        direction=channel.direction,
+        coupling=channel.coupling,
+        range_V=channel.range_V,
+        scale=analyzer.volts_per_code(channel.range_V),
+        offset=0.0,
+        sensitivity=spec.sensitivity,
+        time_constant=spec.time_constant,
+        time_constant_spread=spec.time_constant_spread,
+        filter_delay=filter_delay,
+        skew=channel.skew,
+        calibration_date=channel.calibration_date,
+        calibration_U=spec.calibration_U,
+        gain_tolerance=analyzer.gain_tolerance,
+        clock_ppm=analyzer.clock_ppm,
+        noise_rms=math.hypot(sensor, converter),
+        corner=channel.corner or 0.0,
+        corner_tolerance=0.0 if channel.corner is None else analyzer.ac_tolerance,
+        skew_tolerance=analyzer.skew,
+        flicker=spec.flicker,
+        full_scale=spec.full_scale,
+        linearity=spec.linearity or 0.0,
         clips_at=(spec.clips_at or 0.0) if channel.coupling == "IEPE" else 0.0,
-    )  # fmt: skip
+    )

@@ -136,13 +136,18 @@ def _clip_places(stages: Sequence[Stage]) -> NDArray[np.intp]:
     return NOWHERE
 
 
-def conditioned(source: AnalogSource, channels: Sequence[Channel], states: Sequence[ChannelState]) -> AnalogSource:
+def conditioned(
+    source: AnalogSource, channels: Sequence[Channel], states: Sequence[ChannelState]
+) -> AnalogSource:
     """Return the source with the stages its channels need: bend, resonance, sensor clipping,
     coupling.
 
     Returns `source` itself where no channel needs any.
     """
-    stages = [_stages(channel, state, source.rate) for channel, state in zip(channels, states, strict=True)]
+    stages = [
+        _stages(channel, state, source.rate)
+        for channel, state in zip(channels, states, strict=True)
+    ]
     return Conditioned(source, stages) if any(stages) else source
 
 
@@ -163,7 +168,9 @@ def _stages(channel: Channel, state: ChannelState, rate: float) -> list[Stage]:
 
 
 @numba.njit(cache=True, nogil=True)
-def _resonate(x: FloatArray, memory: tuple[float, float], weights: tuple[float, float, float]) -> tuple[float, float]:
+def _resonate(
+    x: FloatArray, memory: tuple[float, float], weights: tuple[float, float, float]
+) -> tuple[float, float]:
     """Apply b (1 + 1/z)^2 / (1 + p/z + q/z^2) in place, transposed direct form; return its memory
     at the end.
     """

@@ -39,7 +39,9 @@ def shifted_lowpass(taps: int, cutoff: float, attenuation: float, delay: float =
     are avoided: their last digits depend on the processor, and so would the codes.
     """
     if not abs(delay) <= 0.5:
-        raise ValueError(f"a skew of {delay:g} oversampled intervals: at most half an interval can be filtered in")
+        raise ValueError(
+            f"a skew of {delay:g} oversampled intervals: at most half an interval can be filtered in"
+        )
     beta = 0.1102 * (attenuation - 8.7)  # Kaiser 1974
     half = (taps - 1) / 2
     n = np.arange(taps) - half - delay
@@ -118,7 +120,11 @@ def stage_taps(outputs: int) -> tuple[Taps, Taps, Taps]:
     samples.
     """
     width1, width2 = HISTORY1 + outputs, HISTORY2 + outputs
-    return taps_in(STAGE1, 0, 8, width1), taps_in(STAGE1, 4, 8, width1), taps_in(STAGE2, 0, 2, width2)
+    return (
+        taps_in(STAGE1, 0, 8, width1),
+        taps_in(STAGE1, 4, 8, width1),
+        taps_in(STAGE2, 0, 2, width2),
+    )
 
 
 @lru_cache
@@ -147,7 +153,9 @@ class Decimator:
     def __init__(self, outputs: int, skew: float = 0.0) -> None:
         self._inputs = np.zeros((8, HISTORY1 + outputs))
         self._halves = np.zeros((2, HISTORY2 + outputs))
-        self._taps = tuple((t.left, t.right, t.weights, t.centre, t.centre_weight) for t in stage_taps(outputs))
+        self._taps = tuple(
+            (t.left, t.right, t.weights, t.centre, t.centre_weight) for t in stage_taps(outputs)
+        )
         self._skewed = _skewed_taps(outputs, skew) if skew else None
         self._out = np.empty(outputs)
 
@@ -185,8 +193,12 @@ def _decimate(
             row = inputs[phase, HISTORY1 + start : HISTORY1 + start + count]
             for i in range(count):
                 row[i] = x[8 * (start + i) + phase]
-        _convolve(inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count])
-        _convolve(inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count])
+        _convolve(
+            inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count]
+        )
+        _convolve(
+            inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count]
+        )
         _convolve(halves.ravel(), last, start, out[start : start + count])
 
 
@@ -210,13 +222,19 @@ def _decimate_skewed(
             row = inputs[phase, HISTORY1 + start : HISTORY1 + start + count]
             for i in range(count):
                 row[i] = x[8 * (start + i) + phase]
-        _convolve_all(inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count])
-        _convolve_all(inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count])
+        _convolve_all(
+            inputs.ravel(), even, start, halves[0, HISTORY2 + start : HISTORY2 + start + count]
+        )
+        _convolve_all(
+            inputs.ravel(), odd, start, halves[1, HISTORY2 + start : HISTORY2 + start + count]
+        )
         _convolve(halves.ravel(), stage2, start, out[start : start + count])
 
 
 @numba.njit(cache=True, nogil=True)
-def _convolve_all(source: FloatArray, taps: tuple[IntArray, FloatArray], start: int, out: FloatArray) -> None:
+def _convolve_all(
+    source: FloatArray, taps: tuple[IntArray, FloatArray], start: int, out: FloatArray
+) -> None:
     """Compute outputs start, start + 1, ... of a filter without symmetry; four taps per pass over
     the outputs.
     """
@@ -235,7 +253,10 @@ def _convolve_all(source: FloatArray, taps: tuple[IntArray, FloatArray], start: 
 
 @numba.njit(cache=True, nogil=True)
 def _convolve(
-    source: FloatArray, taps: tuple[IntArray, IntArray, FloatArray, int, float], start: int, out: FloatArray
+    source: FloatArray,
+    taps: tuple[IntArray, IntArray, FloatArray, int, float],
+    start: int,
+    out: FloatArray,
 ) -> None:
     """Compute outputs start, start + 1, ... of a symmetric filter; four pairs of taps per pass over
     the outputs.

@@ -38,7 +38,9 @@ class Converter:
     highest: int
 
 
-def noise_volts(channel: Channel, analyzer: AnalyzerSpec, state: ChannelState, rate: float) -> float:
+def noise_volts(
+    channel: Channel, analyzer: AnalyzerSpec, state: ChannelState, rate: float
+) -> float:
     """Return the rms noise at the converter in V: transducer and analyzer in quadrature, each in
     the band 0..rate/2 (Hz).
     """
@@ -73,24 +75,34 @@ class FrontEnd:
         samples: int = BLOCK,
     ) -> None:
         if analyzer.oversampling != OVERSAMPLING:
-            raise ValueError(f"the anti-alias filter oversamples {OVERSAMPLING} times, not {analyzer.oversampling}")
+            raise ValueError(
+                f"the anti-alias filter oversamples {OVERSAMPLING} times, not {analyzer.oversampling}"
+            )
         if not len(channels) == len(states) == len(noise) > 0:
-            raise ValueError(f"{len(channels)} channels, {len(states)} states, {len(noise)} noise generators")
+            raise ValueError(
+                f"{len(channels)} channels, {len(states)} states, {len(noise)} noise generators"
+            )
         self.rate = rate
         self.names = tuple(channel.name for channel in channels)
         if len(channels) > analyzer.channels:
-            raise ValueError(f"{len(channels)} channels on the {analyzer.channels} of {analyzer.model}")
+            raise ValueError(
+                f"{len(channels)} channels on the {analyzer.channels} of {analyzer.model}"
+            )
         top = 2 ** (analyzer.bits - 1)
         self.lowest, self.highest = -top, top - 1
         self._converters = []
         for channel, state in zip(channels, states, strict=True):
             code = analyzer.volts_per_code(channel.range_V)
             sigma = noise_volts(channel, analyzer, state, rate)
-            self._converters.append(Converter(state.gain / code, sigma / code, self.lowest, self.highest))
+            self._converters.append(
+                Converter(state.gain / code, sigma / code, self.lowest, self.highest)
+            )
         self._noise = tuple(noise)
         self.block = block_size(samples)
         # A channel sampled late shows its signal early: hence the minus sign.
-        self._decimators = [Decimator(self.block, -state.skew * OVERSAMPLING * rate) for state in states]
+        self._decimators = [
+            Decimator(self.block, -state.skew * OVERSAMPLING * rate) for state in states
+        ]
         self._flicker: list[Flicker | None] = []
         for channel, state, rng in zip(channels, states, noise, strict=True):
             spots = channel.transducer.noise_spots
@@ -110,7 +122,9 @@ class FrontEnd:
             # Checked after the filter, an eighth of the data: a non-finite input makes outputs
             # non-finite too.
             if not np.isfinite(filtered).all():
-                raise NotFinite(f"channel {self.names[row]}: the source delivered a value that is not finite")
+                raise NotFinite(
+                    f"channel {self.names[row]}: the source delivered a value that is not finite"
+                )
             flicker = self._flicker[row]
             if flicker is not None:
                 flicker.add(filtered)
@@ -123,7 +137,13 @@ class FrontEnd:
 
 @numba.njit(cache=True, nogil=True)
 def _quantise(
-    volts: FloatArray, per_volt: float, gauss: FloatArray, noise: float, lowest: int, highest: int, codes: Codes
+    volts: FloatArray,
+    per_volt: float,
+    gauss: FloatArray,
+    noise: float,
+    lowest: int,
+    highest: int,
+    codes: Codes,
 ) -> None:
     """Clip to the rails, then round half to even."""
     for i in range(volts.size):

@@ -27,7 +27,9 @@ def sections(spots: Sequence[float]) -> FloatArray:
     excess = np.square(spots[:-1]) - spots[-1] ** 2
     powers = np.linalg.solve(1 / (1 + (f[:, None] / f[None, :]) ** 2), excess)
     if not (powers >= 0).all():
-        raise ValueError(f"noise densities {tuple(spots)} at {SPOTS} Hz are no sum of falling sections")
+        raise ValueError(
+            f"noise densities {tuple(spots)} at {SPOTS} Hz are no sum of falling sections"
+        )
     return np.asarray(powers)
 
 
@@ -39,7 +41,9 @@ class Flicker:
     channel's generator, block by block.
     """
 
-    def __init__(self, spots: Sequence[float], scale: float, rate: float, rng: np.random.Generator) -> None:
+    def __init__(
+        self, spots: Sequence[float], scale: float, rate: float, rng: np.random.Generator
+    ) -> None:
         corner = np.array(SPOTS[:-1])
         self._keep = np.array([math.exp(-2 * math.pi * value / rate) for value in SPOTS[:-1]])
         # Variance of a section: the integral of s / (1 + (f/f_i)^2) over f > 0 is s f_i pi/2.
@@ -54,7 +58,9 @@ class Flicker:
 
 
 @numba.njit(cache=True, nogil=True)
-def _add_sections(volts: FloatArray, gauss: FloatArray, keep: FloatArray, sigma: FloatArray, state: FloatArray) -> None:
+def _add_sections(
+    volts: FloatArray, gauss: FloatArray, keep: FloatArray, sigma: FloatArray, state: FloatArray
+) -> None:
     """Add the sum of all sections: x_i <- keep_i x_i + sigma_i sqrt(1 - keep_i^2) g, g standard
     normal.
     """

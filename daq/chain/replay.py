@@ -1,5 +1,5 @@
-"""Play a recorded run back through the `Acquisition` interface; consumers cannot tell it from the
-emulated analyzer.
+"""Clearance a recorded run back through the `Acquisition` interface; consumers cannot tell it from
+the emulated analyzer.
 """
 
 import numpy as np

@@ -25,10 +25,14 @@ class Transduced:
 
     def __init__(self, source: PhysicalSource, states: Sequence[ChannelState]) -> None:
         if len(states) != len(source.names):
-            raise ValueError(f"{len(states)} transducer states for the channels {', '.join(source.names)}")
+            raise ValueError(
+                f"{len(states)} transducer states for the channels {', '.join(source.names)}"
+            )
         self._source = source
         self._sensitivities = [state.sensitivity for state in states]
-        self._steps = [0.0 if s.time_constant is None else 1 / (source.rate * s.time_constant) for s in states]
+        self._steps = [
+            0.0 if s.time_constant is None else 1 / (source.rate * s.time_constant) for s in states
+        ]
         self._slow = [0.0 for _ in states]
         self._volts = np.empty((len(states), 0))
 
@@ -47,16 +51,22 @@ class Transduced:
         physical = self._source.read(n)
         if self._volts.shape[1] != n:
             self._volts = np.empty((len(self._steps), n))
-        for row, (sensitivity, step) in enumerate(zip(self._sensitivities, self._steps, strict=True)):
+        for row, (sensitivity, step) in enumerate(
+            zip(self._sensitivities, self._steps, strict=True)
+        ):
             if step:
-                self._slow[row] = high_pass(physical[row], self._slow[row], step, sensitivity, self._volts[row])
+                self._slow[row] = high_pass(
+                    physical[row], self._slow[row], step, sensitivity, self._volts[row]
+                )
             else:
                 np.multiply(physical[row], sensitivity, out=self._volts[row])
         return self._volts
 
 
 @numba.njit(cache=True, nogil=True)
-def high_pass(x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray) -> float:
+def high_pass(
+    x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray
+) -> float:
     """Apply one pole over consecutive intervals of length step = dt / tau; return z at the end.
 
     `volts` may be `x` itself.

@@ -79,7 +79,10 @@ class Triggered:
         if have < n:
             parts.append(self._inner.read(n - have))
         whole = parts[0] if len(parts) == 1 else _joined(parts)
-        found, self._left = self._cut(whole, 0, n), self._cut(whole, n, whole.count) if whole.count > n else None
+        found, self._left = (
+            self._cut(whole, 0, n),
+            self._cut(whole, n, whole.count) if whole.count > n else None,
+        )
         start, self._next = self._next, self._next + n
         return Block(start, found.codes, found.flags, found.clipped, found.settling)
 
@@ -127,7 +130,9 @@ class Triggered:
         low, high = (np.count_nonzero(codes == rail, axis=1) for rail in self._rails)
         counted = Flag.OVERLOAD_HI * (high > 0) + Flag.OVERLOAD_LO * (low > 0)
         flags = (block.flags & ~RAILS) | counted.astype(np.uint16)
-        return Block(block.start + first, codes, flags, (low + high).astype(np.uint32), block.settling)
+        return Block(
+            block.start + first, codes, flags, (low + high).astype(np.uint32), block.settling
+        )
 
 
 def _joined(blocks: list[Block]) -> Block:

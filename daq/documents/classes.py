@@ -1,9 +1,10 @@
 """Frozen dataclasses as JSON documents: the shape that a class states, and the way there and back.
 
-A field is a key. Its shape follows from the annotation: `float` is a number, `int` a whole one, `tuple[X, ...]` a list,
-`Mapping[str, X]` a mapping with free keys, another dataclass a mapping with its own; `| None` allows null. A shape of
-`daq.documents.shapes` as a mark says more: `Annotated[float | None, Number(0.0)]`. A field with a default is optional.
-A key that Python reserves has a field with an underscore behind it: `from_`.
+A field is a key. Its shape follows from the annotation: `float` is a number, `int` a whole one,
+`tuple[X, ...]` a list, `Mapping[str, X]` a mapping with free keys, another dataclass a mapping with
+its own; `| None` allows null. A shape of `daq.documents.shapes` as a mark says more:
+`Annotated[float | None, Number(0.0)]`. A field with a default is optional. A key that Python
+reserves has a field with an underscore behind it: `from_`.
 """
 
 import math
@@ -13,9 +14,29 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from daq.documents.shapes import Each, Either, Keys, List, Null, Number, Shape, Text, YesNo, deviations
+from daq.documents.shapes import (
+    Each,
+    Either,
+    Keys,
+    List,
+    Null,
+    Number,
+    Shape,
+    Text,
+    YesNo,
+    deviations,
+)
 
-__all__ = ["LEFT_OUT", "AtLeast", "DocumentError", "built", "finite", "from_document", "shape_of", "to_document"]
+__all__ = [
+    "LEFT_OUT",
+    "AtLeast",
+    "DocumentError",
+    "built",
+    "finite",
+    "from_document",
+    "shape_of",
+    "to_document",
+]
 
 T = TypeVar("T")
 Way = Callable[[Any], Any]
@@ -32,13 +53,15 @@ class AtLeast:
 
 
 class DocumentError(ValueError):
-    """A document is not what a class wants; the message names the place, what was found and what is allowed."""
+    """A document is not what a class wants; the message names the place, what was found and what is
+    allowed.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class ValueKind:
-    """What an annotation says of a value: its shape, what writes and reads it (None: it stays as it is), what takes
-    numbers out of it that are not finite (None: there are none)."""
+    """What an annotation says of a value: its shape, what writes and reads it (None: it stays as it
+    is), what takes numbers out of it that are not finite (None: there are none)."""
 
     shape: Shape
     write: Way | None = None
@@ -68,7 +91,9 @@ def shape_of(cls: type) -> Keys:
 
 
 def to_document(value: Any) -> dict[str, Any]:
-    """Return the document of an instance, keys in the order of its fields; numbers that are not finite are null."""
+    """Return the document of an instance, keys in the order of its fields; numbers that are not
+    finite are null.
+    """
     document = {}
     for item in keys_of(type(value)):
         found = getattr(value, item.name)
@@ -80,7 +105,8 @@ def to_document(value: Any) -> dict[str, Any]:
 
 
 def from_document(cls: type[T], document: Any, path: str = "") -> T:
-    """Return the instance that a document describes; keys that the class does not know are passed over.
+    """Return the instance that a document describes; keys that the class does not know are passed
+    over.
 
     path: of the document, for messages. DocumentError with the first deviation.
     """
@@ -100,7 +126,9 @@ def built(cls: type[T], document: Mapping[str, Any]) -> T:
 
 
 def finite(value: T) -> T:
-    """Return an instance with None for every number that is not finite, where its field allows None: JSON has none."""
+    """Return an instance with None for every number that is not finite, where its field allows
+    None: JSON has none.
+    """
     changed = {}
     for item in keys_of(type(value)):
         if item.kind.finite is not None:
@@ -122,9 +150,13 @@ def _keys_of(cls: Any) -> tuple[FieldKey, ...]:
     found = []
     for field in fields(cls):
         made = field.default if field.default_factory is MISSING else field.default_factory()
-        left_out = get_origin(hints[field.name]) is Annotated and LEFT_OUT in get_args(hints[field.name])
+        left_out = get_origin(hints[field.name]) is Annotated and LEFT_OUT in get_args(
+            hints[field.name]
+        )
         kind = _kind(hints[field.name])
-        found.append(FieldKey(field.name, field.name.rstrip("_"), kind, made is MISSING, made, left_out))
+        found.append(
+            FieldKey(field.name, field.name.rstrip("_"), kind, made is MISSING, made, left_out)
+        )
     return tuple(found)
 
 
@@ -139,7 +171,9 @@ def _kind(hint: Any) -> ValueKind:
     if isinstance(hint, type) and hint in _PLAIN:
         return ValueKind(_PLAIN[hint])
     if isinstance(hint, type) and is_dataclass(hint):
-        return ValueKind(shape_of(hint), to_document, lambda document: built(hint, document), finite)
+        return ValueKind(
+            shape_of(hint), to_document, lambda document: built(hint, document), finite
+        )
     if origin is Annotated:
         return _marked(parts[0], parts[1:])
     if origin in (Union, UnionType):
@@ -152,7 +186,9 @@ def _kind(hint: Any) -> ValueKind:
 
 
 def _marked(hint: Any, marks: tuple[Any, ...]) -> ValueKind:
-    """What an annotation with marks says: a shape in place of its own, a length, or that it is never null."""
+    """What an annotation with marks says: a shape in place of its own, a length, or that it is
+    never null.
+    """
     kind, members = _kind(hint), get_args(hint)
     nullable = NoneType in members and LEFT_OUT not in marks
     shape = kind.shape
@@ -167,7 +203,9 @@ def _marked(hint: Any, marks: tuple[Any, ...]) -> ValueKind:
 
 
 def _union(parts: tuple[Any, ...]) -> ValueKind:
-    """Of one annotation or None, or of plain values and lists of them, which their types tell apart."""
+    """Of one annotation or None, or of plain values and lists of them, which their types tell
+    apart.
+    """
     kinds = [_kind(part) for part in parts if part is not NoneType]
     shape = kinds[0].shape
     for kind in kinds[1:]:
@@ -175,9 +213,13 @@ def _union(parts: tuple[Any, ...]) -> ValueKind:
     if NoneType in parts:
         shape = _or_null(shape)
     if len(kinds) > 1:
-        return ValueKind(shape, _plain_written, _plain_read, _finite_or_none if NoneType in parts else None)
+        return ValueKind(
+            shape, _plain_written, _plain_read, _finite_or_none if NoneType in parts else None
+        )
     (kind,) = kinds
-    return replace(kind, shape=shape, finite=_finite_or_none if kind.write is _finite_or_none else kind.finite)
+    return replace(
+        kind, shape=shape, finite=_finite_or_none if kind.write is _finite_or_none else kind.finite
+    )
 
 
 def _plain_written(value: Any) -> Any:
@@ -206,8 +248,12 @@ def _list(parts: tuple[Any, ...]) -> ValueKind:
         return ValueKind(shape, _numbers, tuple)
     return ValueKind(
         shape,
-        list if write is None else lambda values: [None if value is None else write(value) for value in values],
-        tuple if read is None else lambda values: tuple([None if value is None else read(value) for value in values]),
+        list
+        if write is None
+        else lambda values: [None if value is None else write(value) for value in values],
+        tuple
+        if read is None
+        else lambda values: tuple([None if value is None else read(value) for value in values]),
         None if clean is None else lambda values: _unless_same(values, tuple(map(clean, values))),
     )
 
@@ -216,8 +262,12 @@ def _each(item: ValueKind) -> ValueKind:
     write, read = item.write, item.read
     return ValueKind(
         Each(item.shape),
-        dict if write is None else lambda values: {key: write(value) for key, value in values.items()},
-        dict if read is None else lambda values: {key: read(value) for key, value in values.items()},
+        dict
+        if write is None
+        else lambda values: {key: write(value) for key, value in values.items()},
+        dict
+        if read is None
+        else lambda values: {key: read(value) for key, value in values.items()},
     )
 
 
@@ -230,4 +280,6 @@ def _finite_or_none(value: Any) -> Any:
 
 
 def _numbers(values: tuple[float, ...]) -> list[float | None]:
-    return list(values) if math.isfinite(sum(values)) else [_finite_or_none(value) for value in values]
+    return (
+        list(values) if math.isfinite(sum(values)) else [_finite_or_none(value) for value in values]
+    )

@@ -22,7 +22,9 @@ def field_table(shape: Shape) -> str:
 
 
 def _fields(shape: Shape, path: str) -> Iterator[tuple[str, Shape, Any]]:
-    """Path, shape and default of every field; those of a group or of a list's items come in its place."""
+    """Path, shape and default of every field; those of a group or of a list's items come in its
+    place.
+    """
     inner = shape
     while isinstance(inner, Then | List):
         path += "[]" if isinstance(inner, List) else ""

@@ -1,7 +1,9 @@
-"""Frozen dataclasses as shapes: their annotations are the grammar of the documents that people write.
+"""Frozen dataclasses as shapes: their annotations are the grammar of the documents that people
+write.
 
-An annotation is a type, or `Annotated[type, mark]` where the mark is a shape of `daq.documents.shapes` or of a caller
-(`rig.units.Quantity`). Such documents are closed: they have the fields of their class and no others.
+An annotation is a type, or `Annotated[type, mark]` where the mark is a shape of
+`daq.documents.shapes` or of a caller (`rig.units.Quantity`). Such documents are closed: they have
+the fields of their class and no others.
 """
 
 from __future__ import annotations
@@ -19,11 +21,15 @@ __all__ = ["keys_of", "paths_of", "shape_at", "shape_of"]
 
 @cache
 def keys_of(kind: type) -> Keys:
-    """The shape of a dataclass. Where all of its fields, two or more, are alike, a plain value stands for each."""
+    """The shape of a dataclass. Where all of its fields, two or more, are alike, a plain value
+    stands for each.
+    """
     hints = get_type_hints(kind, include_extras=True)
     shapes = {item.name: shape_of(hints[item.name]) for item in fields(kind)}
     needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
-    alike = len(shapes) > 1 and all(shape == shapes[fields(kind)[0].name] for shape in shapes.values())
+    alike = len(shapes) > 1 and all(
+        shape == shapes[fields(kind)[0].name] for shape in shapes.values()
+    )
     return Keys(
         {name: shapes[name] for name in needed},
         {name: shape for name, shape in shapes.items() if name not in needed},
@@ -39,7 +45,9 @@ def shape_of(annotation: Any) -> Shape:
     options = get_args(base) if get_origin(base) in (Union, types.UnionType) else (base,)
     null = types.NoneType in options
     (first, *_) = (option for option in options if option is not types.NoneType)
-    words = tuple(word for option in options for word in get_args(option) if get_origin(option) is Literal)
+    words = tuple(
+        word for option in options for word in get_args(option) if get_origin(option) is Literal
+    )
     if marks:
         shape: Shape = marks[0]
         fitted = getattr(shape, "fitted", None)

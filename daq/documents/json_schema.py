@@ -1,6 +1,8 @@
-"""JSON Schema (draft 2020-12) of documents, so that editors and tools of others can check what our reader checks.
+"""JSON Schema (draft 2020-12) of documents, so that editors and tools of others can check what our
+reader checks.
 
-A schema refuses nothing that the reader takes. Lists that must be equally long (`Keys.as_long`) have no word in it.
+A schema refuses nothing that the reader takes. Lists that must be equally long (`Keys.as_long`)
+have no word in it.
 """
 
 from typing import Any

@@ -1,4 +1,6 @@
-"""What a reader reads, plain data or values that know where they were written, and what it notes: mistakes."""
+"""What a reader reads, plain data or values that know where they were written, and what it notes:
+mistakes.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,9 @@ Scalar = str | int | float | bool | None
 class Mistake:
     """One mistake in what a user gave.
 
-    `where` is `file:line` or the command-line option, `field` the full path of the key (both may be empty),
-    `found` and `allowed` are phrases, `hint` a whole question or advice such as "did you mean 'fill'?".
+    `where` is `file:line` or the command-line option, `field` the full path of the key (both may be
+    empty), `found` and `allowed` are phrases, `hint` a whole question or advice such as "did you
+    mean 'fill'?".
     """
 
     where: str
@@ -59,13 +62,17 @@ def nearest(word: str, choices: Iterable[str]) -> str:
 
 
 def new_name(word: str, choices: Iterable[str], renamed: Mapping[str, str]) -> str:
-    """The hint "renamed: write ..." for an old name, or a path with old names in it; "" for any other word."""
+    """The hint "renamed: write ..." for an old name, or a path with old names in it; "" for any
+    other word.
+    """
     now = ".".join(renamed.get(part, part) for part in word.split("."))
     return f"renamed: write {now!r}" if now != word and now in choices else ""
 
 
 def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
-    """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the rest."""
+    """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the
+    rest.
+    """
     ordered = sorted(mistakes, key=_line)
     more = len(ordered) - MOST_MISTAKES
     if more <= 0:
@@ -80,8 +87,9 @@ def _line(mistake: Mistake) -> float:
 
 @dataclass(frozen=True)
 class Node:
-    """A value and its place. `value` is a scalar, a tuple of nodes or a dict of nodes; `text` a scalar as written;
-    `key_places` says where each key of a dict stands; `quoted` marks text written in quotes."""
+    """A value and its place. `value` is a scalar, a tuple of nodes or a dict of nodes; `text` a
+    scalar as written; `key_places` says where each key of a dict stands; `quoted` marks text
+    written in quotes."""
 
     where: str
     value: Scalar | tuple[Node, ...] | dict[str, Node]
@@ -136,9 +144,9 @@ class Unreadable(Exception):
 
 @dataclass
 class Notes:
-    """What a reading leaves beside its result: the mistakes, the paths whose value failed, the place of each path.
-    `known` are all paths of the whole, so that a key in the wrong place can be sent to the right one; `renamed` are the
-    new names of old ones."""
+    """What a reading leaves beside its result: the mistakes, the paths whose value failed, the
+    place of each path. `known` are all paths of the whole, so that a key in the wrong place can be
+    sent to the right one; `renamed` are the new names of old ones."""
 
     mistakes: list[Mistake] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
@@ -147,7 +155,9 @@ class Notes:
     renamed: Mapping[str, str] = field(default_factory=dict)
 
     def near(self, word: str, choices: Iterable[str]) -> str:
-        """The hint for a word that is not among the choices: what it is called now, or the nearest of them."""
+        """The hint for a word that is not among the choices: what it is called now, or the nearest
+        of them.
+        """
         return new_name(word, choices, self.renamed) or nearest(word, choices)
 
     def reject(self, where: str, path: str, found: str, allowed: str, hint: str = "") -> Unreadable:

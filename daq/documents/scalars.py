@@ -1,6 +1,8 @@
-"""Shapes of one value, and what a shape is: it reads a value strictly, and says itself as JSON Schema.
+"""Shapes of one value, and what a shape is: it reads a value strictly, and says itself as JSON
+Schema.
 
-Every number is finite and below LARGEST in size, so that no arithmetic on a checked value can overflow.
+Every number is finite and below LARGEST in size, so that no arithmetic on a checked value can
+overflow.
 """
 
 from __future__ import annotations
@@ -62,7 +64,9 @@ class Anything(_Scalar):
 
 @dataclass(frozen=True, repr=False)
 class Number(_Scalar):
-    """A number from `least` to `most`, above `least` where `above`; whole, or null, where it says so."""
+    """A number from `least` to `most`, above `least` where `above`; whole, or null, where it says
+    so.
+    """
 
     least: float = -LARGEST
     most: float = LARGEST
@@ -72,7 +76,13 @@ class Number(_Scalar):
 
     def __str__(self) -> str:
         kind = "a whole number" if self.whole else "a number"
-        low = f" above {self.least:g}" if self.above else f" from {self.least:g}" if self.least > -LARGEST else ""
+        low = (
+            f" above {self.least:g}"
+            if self.above
+            else f" from {self.least:g}"
+            if self.least > -LARGEST
+            else ""
+        )
         high = f" to {self.most:g}" if self.most < LARGEST else ""
         return f"{kind}{low}{high}{' or null' if self.null else ''}"
 
@@ -81,14 +91,20 @@ class Number(_Scalar):
             return self.null
         if isinstance(value, bool) or not isinstance(value, int | float):
             return False
-        if isinstance(value, float) and not math.isfinite(value):  # a whole number may be beyond every float
+        if isinstance(value, float) and not math.isfinite(
+            value
+        ):  # a whole number may be beyond every float
             return False
         inside = self.least < value if self.above else self.least <= value
         return inside and value <= self.most and (not self.whole or value == int(value))
 
     def holds_all(self, values: list[Any]) -> bool:
-        """Whether all values are such numbers; of floats their extremes tell it, in a tenth of the time."""
-        if set(map(type, values)) == {float} and not self.whole and math.isfinite(sum(values)):  # no NaN among them
+        """Whether all values are such numbers; of floats their extremes tell it, in a tenth of the
+        time.
+        """
+        if (
+            set(map(type, values)) == {float} and not self.whole and math.isfinite(sum(values))
+        ):  # no NaN among them
             return self.holds(min(values)) and self.holds(max(values))
         return all(map(self.holds, values))
 
@@ -102,9 +118,9 @@ class Number(_Scalar):
 
 @dataclass(frozen=True, repr=False)
 class Text(_Scalar):
-    """Text, one of `words` unless that is empty, or all of it as the regular expression `pattern`; null where it says
-    so. `allowed`: the same in words. as_written: a number counts as the text that it was written as (names of models
-    may be numbers)."""
+    """Text, one of `words` unless that is empty, or all of it as the regular expression `pattern`;
+    null where it says so. `allowed`: the same in words. as_written: a number counts as the text
+    that it was written as (names of models may be numbers)."""
 
     words: tuple[str, ...] = ()
     null: bool = False
@@ -114,7 +130,9 @@ class Text(_Scalar):
 
     def __str__(self) -> str:
         several = "one of " if len(self.words) > 1 and not self.as_written else ""
-        kind = self.allowed or (f"{several}{', '.join(filter(None, self.words))}" if self.words else "text")
+        kind = self.allowed or (
+            f"{several}{', '.join(filter(None, self.words))}" if self.words else "text"
+        )
         return f"{kind} or null" if self.null else kind
 
     def holds(self, value: object) -> bool:
@@ -131,14 +149,24 @@ class Text(_Scalar):
         if not self.holds(value):
             word = isinstance(value, str)
             found = quote(value) if word else describe(node)
-            raise notes.reject(where_of(node), path, found, str(self), notes.near(value, self.words) if word else "")
+            raise notes.reject(
+                where_of(node),
+                path,
+                found,
+                str(self),
+                notes.near(value, self.words) if word else "",
+            )
         return value
 
     def schema(self, _kinds: dict[str, Schema]) -> Schema:
         if self.words:
             words = [*self.words, *([None] if self.null else [])]
             return {"enum": words} if len(words) > 1 else {"const": words[0]}
-        kinds = ["string", *(["number"] if self.as_written else []), *(["null"] if self.null else [])]
+        kinds = [
+            "string",
+            *(["number"] if self.as_written else []),
+            *(["null"] if self.null else []),
+        ]
         found: Schema = {"type": kinds if len(kinds) > 1 else "string"}
         return found | ({"pattern": f"^{self.pattern}$"} if self.pattern else {})
 

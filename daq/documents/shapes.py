@@ -1,8 +1,9 @@
-"""What a document must look like: shapes that read a value strictly, and that say themselves as JSON Schema.
+"""What a document must look like: shapes that read a value strictly, and that say themselves as
+JSON Schema.
 
-Every document goes through here: JSON in a session, whose further keys are free, and files that somebody wrote
-(`daq.documents.grammar`), whose keys are closed and whose values know their lines. A reading goes on after a mistake
-where it can, so that all of them are told at once.
+Every document goes through here: JSON in a session, whose further keys are free, and files that
+somebody wrote (`daq.documents.grammar`), whose keys are closed and whose values know their lines. A
+reading goes on after a mistake where it can, so that all of them are told at once.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ __all__ = [
 
 
 def deviations(value: Any, shape: Shape, path: str = "") -> Iterator[str]:
-    """One sentence for every place where plain data are not as a shape wants them; none for what fits."""
+    """One sentence for every place where plain data are not as a shape wants them; none for what
+    fits.
+    """
     notes = Notes()
     _tried(shape, value, path, notes)
     return (visible(mistake.sentence()) for mistake in notes.mistakes)
@@ -53,8 +56,8 @@ def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class List:
-    """A list of at least `least` and at most `most` values of one shape, each once where `unique`; `what` says what is
-    in it."""
+    """A list of at least `least` and at most `most` values of one shape, each once where `unique`;
+    `what` says what is in it."""
 
     item: Shape
     least: int = 0
@@ -66,13 +69,21 @@ class List:
         if self.what:
             return f"a list of {self.what}"
         most = f" and at most {self.most}" if self.most < math.inf else ""
-        return f"a list of at least {self.least}{most}" if not self.unique else f"a list of {self.item}"
+        return (
+            f"a list of at least {self.least}{most}"
+            if not self.unique
+            else f"a list of {self.item}"
+        )
 
     def read(self, node: Any, path: str, notes: Notes) -> tuple[Any, ...]:
         values = bare(node)
         if not isinstance(values, list | tuple) or not self.least <= len(values) <= self.most:
             raise notes.refuse(node, path, self)
-        if isinstance(self.item, Number) and isinstance(values, list) and self.item.holds_all(values):
+        if (
+            isinstance(self.item, Number)
+            and isinstance(values, list)
+            and self.item.holds_all(values)
+        ):
             return tuple(values)
         found: list[Any] = []
         for position, part in enumerate(values):
@@ -126,7 +137,10 @@ class Each:
         found = {}
         for key, part in entries.items():
             full = f"{path}.{key}" if path else str(key)
-            if self.keys is None or _tried(self.keys, _key_of(node, key), full, notes) is not _NOTHING:
+            if (
+                self.keys is None
+                or _tried(self.keys, _key_of(node, key), full, notes) is not _NOTHING
+            ):
                 found[key] = _tried(self.item, part, full, notes)
         if len(found) < len(entries) or any(value is _NOTHING for value in found.values()):
             raise Unreadable(path)
@@ -145,11 +159,12 @@ def _key_of(node: Any, key: str) -> Any:
 class Keys:
     """A mapping with these keys, and those in `optional` where it has them; null where it says so.
 
-    Keys that the shape does not name are free, unless it is closed. `as_long`: keys of lists that must have as many
-    entries as the first of them. `kind`: the class that the mapping becomes. `alone`: keys that a plain value in the
-    place of the mapping stands for. `groups`: further keys, all that a regular expression matches, of one shape.
-    `what` says what the mapping is, `names` what its keys are, where they are too many to name. `standing_in`: what
-    takes the place of a required value that is missing, so that the reading goes on.
+    Keys that the shape does not name are free, unless it is closed. `as_long`: keys of lists that
+    must have as many entries as the first of them. `kind`: the class that the mapping becomes.
+    `alone`: keys that a plain value in the place of the mapping stands for. `groups`: further keys,
+    all that a regular expression matches, of one shape. `what` says what the mapping is, `names`
+    what its keys are, where they are too many to name. `standing_in`: what takes the place of a
+    required value that is missing, so that the reading goes on.
     """
 
     required: Mapping[str, Shape]
@@ -171,7 +186,11 @@ class Keys:
     def every(self) -> dict[str, Shape]:
         """The shape of every key, those of the class in its order."""
         found = {**self.required, **self.optional}
-        return {item.name: found[item.name] for item in fields(self.kind)} if is_dataclass(self.kind) else found
+        return (
+            {item.name: found[item.name] for item in fields(self.kind)}
+            if is_dataclass(self.kind)
+            else found
+        )
 
     def allowed_keys(self) -> str:
         """The keys in words."""
@@ -199,7 +218,9 @@ class Keys:
             raise Unreadable(path)
         return given if self.kind is None else self.kind(**given)
 
-    def _values(self, node: Any, entries: Mapping[str, Any], path: str, notes: Notes) -> dict[str, Any]:
+    def _values(
+        self, node: Any, entries: Mapping[str, Any], path: str, notes: Notes
+    ) -> dict[str, Any]:
         given = {}
         for key, part in entries.items():
             full = f"{path}.{key}" if path else str(key)
@@ -211,13 +232,27 @@ class Keys:
                 if value is not _NOTHING:
                     given[key] = value
             elif self.closed:
-                homes = (f"did you mean {home}?" for home in notes.known if home.rpartition(".")[2] == key)
-                hint = notes.near(key, [*self.required, *self.optional]) or ("" if self.names else next(homes, ""))
-                notes.reject(where_of(_key_of(node, key)), full, f"the key {quote(key)}", self.allowed_keys(), hint)
+                homes = (
+                    f"did you mean {home}?"
+                    for home in notes.known
+                    if home.rpartition(".")[2] == key
+                )
+                hint = notes.near(key, [*self.required, *self.optional]) or (
+                    "" if self.names else next(homes, "")
+                )
+                notes.reject(
+                    where_of(_key_of(node, key)),
+                    full,
+                    f"the key {quote(key)}",
+                    self.allowed_keys(),
+                    hint,
+                )
         return given
 
     def _group(self, key: str) -> Shape | None:
-        return next((shape for pattern, shape in self.groups.items() if re.fullmatch(pattern, key)), None)
+        return next(
+            (shape for pattern, shape in self.groups.items() if re.fullmatch(pattern, key)), None
+        )
 
     def _note_missing(self, missing: list[str], where: str, path: str, notes: Notes) -> None:
         if self.closed and path and missing:
@@ -227,7 +262,11 @@ class Keys:
         for key in missing:
             full = f"{path}.{key}" if path else key
             told = str(self.required[key])
-            wanted = told if isinstance(self.required[key], Text) and told != "text" else f"an entry {key}"
+            wanted = (
+                told
+                if isinstance(self.required[key], Text) and told != "text"
+                else f"an entry {key}"
+            )
             notes.reject(where, full, *(("nothing", wanted) if self.closed else ("is missing", "")))
 
     def schema(self, kinds: dict[str, Schema]) -> Schema:
@@ -246,7 +285,9 @@ class Keys:
         """The schema itself, in the place of a reference to it."""
         null = self.null and self.kind is None
         found: Schema = {"type": ["object", "null"] if null else "object"}
-        found["properties"] = {name: part.schema(kinds) | self._default(name) for name, part in self.every().items()}
+        found["properties"] = {
+            name: part.schema(kinds) | self._default(name) for name, part in self.every().items()
+        }
         found |= {"required": list(self.required)} if self.required or not self.closed else {}
         patterns = {f"^{pattern}$": shape.schema(kinds) for pattern, shape in self.groups.items()}
         found |= {"patternProperties": patterns} if patterns else {}
@@ -255,9 +296,15 @@ class Keys:
         return found | ({"description": told} if told else {})
 
     def default_of(self, name: str) -> Any:
-        """The class's own default as plain data, MISSING for none; a group's stand at its own fields."""
+        """The class's own default as plain data, MISSING for none; a group's stand at its own
+        fields.
+        """
         kind = self.kind if is_dataclass(self.kind) else None
-        default = next((item.default for item in fields(kind) if item.name == name), MISSING) if kind else MISSING
+        default = (
+            next((item.default for item in fields(kind) if item.name == name), MISSING)
+            if kind
+            else MISSING
+        )
         if default is MISSING or is_dataclass(default) or name in self.required:
             return MISSING
         shape = self.every()[name]
@@ -295,8 +342,8 @@ class Choice:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OneOf:
-    """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes are closed, and a key
-    that several of them have is the same in each. `what` it is, in words."""
+    """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes
+    are closed, and a key that several of them have is the same in each. `what` it is, in words."""
 
     shapes: Mapping[str, Keys]
     what: str
@@ -320,7 +367,9 @@ class OneOf:
         return {
             "type": "object",
             "properties": {name: part.schema(kinds) for name, part in self.every().items()},
-            "required": sorted(set.intersection(*(set(part.required) for part in self.shapes.values()))),
+            "required": sorted(
+                set.intersection(*(set(part.required) for part in self.shapes.values()))
+            ),
             "additionalProperties": False,
             "oneOf": [{"required": [key]} for key in self.shapes],
             "allOf": [_rule(key, part) for key, part in self.shapes.items()],
@@ -344,14 +393,18 @@ class Either:
         return f"{self.first}, or {self.second}"
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
-        """The value; the mistakes are those of the shape that a mapping, or that anything but null, was meant for."""
+        """The value; the mistakes are those of the shape that a mapping, or that anything but null,
+        was meant for.
+        """
         first, second = (Notes(known=notes.known, renamed=notes.renamed) for _ in range(2))
         value = _tried(self.first, node, path, first)
         found = first
         if first.mistakes:
             value = _tried(self.second, node, path, second)
             mapping = isinstance(bare(node), dict) and isinstance(self.second, Keys)
-            found = second if not second.mistakes or mapping or isinstance(self.first, Null) else first
+            found = (
+                second if not second.mistakes or mapping or isinstance(self.first, Null) else first
+            )
         notes.add(found)
         if found.mistakes:
             raise Unreadable(path)
@@ -363,8 +416,8 @@ class Either:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Then:
-    """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which notes what does not fit
-    together. `says`: what JSON Schema can know of that."""
+    """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which
+    notes what does not fit together. `says`: what JSON Schema can know of that."""
 
     shape: Shape
     build: Callable[[Any, Any, str, Notes], Any]

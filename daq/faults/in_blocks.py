@@ -25,7 +25,17 @@ from daq.chain.source import FloatArray
 
 __all__ = ["KINDS", "BlockFault", "Faulted"]
 
-KINDS = ("dropout", "cable_open", "stuck", "spike", "bias", "drift", "noise", "gain_step", "clock_slip")
+KINDS = (
+    "dropout",
+    "cable_open",
+    "stuck",
+    "spike",
+    "bias",
+    "drift",
+    "noise",
+    "gain_step",
+    "clock_slip",
+)
 FULL = 2**23  # codes at the end of the range
 RAILS = np.uint16(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
@@ -69,7 +79,9 @@ class Faulted:
         self._floor, self._iepe = tuple(floor), tuple(iepe)
         # Clean codes are kept as far back as the largest slip reaches, and at least one sample for
         # `stuck`.
-        late = max((round(abs(fault.size)) for fault in faults if fault.kind == "clock_slip"), default=0)
+        late = max(
+            (round(abs(fault.size)) for fault in faults if fault.kind == "clock_slip"), default=0
+        )
         self._before: Codes = np.zeros((len(acquisition.channels), max(late, 1)), dtype=np.int32)
 
     @property
@@ -95,12 +107,16 @@ class Faulted:
         for fault, rng in hit:
             first, last = max(fault.start - block.start, 0), min(fault.stop - block.start, n)
             row = codes[fault.row]
-            row[first:last] = _rounded(self._faulty(fault, rng, row, clean[fault.row], first, last, block.start))
+            row[first:last] = _rounded(
+                self._faulty(fault, rng, row, clean[fault.row], first, last, block.start)
+            )
             flags[fault.row] |= self._bit(fault)
         # A fault can push codes to a rail or away from it: overload is counted anew.
         for row in {fault.row for fault, _ in hit}:
             high, low = (int(np.count_nonzero(codes[row] == rail)) for rail in (FULL - 1, -FULL))
-            flags[row] = (flags[row] & ~RAILS) | Flag.OVERLOAD_HI * (high > 0) | Flag.OVERLOAD_LO * (low > 0)
+            flags[row] = (
+                (flags[row] & ~RAILS) | Flag.OVERLOAD_HI * (high > 0) | Flag.OVERLOAD_LO * (low > 0)
+            )
             clipped[row] = high + low
         return Block(block.start, codes, flags, clipped, block.settling)
 
@@ -108,10 +124,19 @@ class Faulted:
         """Return the quality bit that shows the fault, 0 for a silent one."""
         if fault.kind == "dropout":
             return np.uint16(Flag.GAP)
-        return np.uint16(Flag.IEPE_OPEN if fault.kind == "cable_open" and self._iepe[fault.row] else 0)
+        return np.uint16(
+            Flag.IEPE_OPEN if fault.kind == "cable_open" and self._iepe[fault.row] else 0
+        )
 
     def _faulty(
-        self, fault: BlockFault, rng: np.random.Generator, row: Codes, clean: Codes, first: int, last: int, start: int
+        self,
+        fault: BlockFault,
+        rng: np.random.Generator,
+        row: Codes,
+        clean: Codes,
+        first: int,
+        last: int,
+        start: int,
     ) -> FloatArray:
         """Return the samples first..last of a block with the fault. clean: the channel without
         faults, preceded by `_before`.

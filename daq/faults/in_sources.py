@@ -21,7 +21,9 @@ class AcCoupled:
 
     def __init__(self, source: PhysicalSource, corners: Sequence[float]) -> None:
         self.names, self.rate = source.names, source.rate
-        self._through = Transduced(source, [ChannelState(1.0, 1 / (2 * math.pi * corner), 1.0) for corner in corners])
+        self._through = Transduced(
+            source, [ChannelState(1.0, 1 / (2 * math.pi * corner), 1.0) for corner in corners]
+        )
 
     def read(self, n: int) -> FloatArray:
         """Return the next n interval means, shape (channels, n)."""

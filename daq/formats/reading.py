@@ -31,9 +31,13 @@ from daq.session.hdf5 import dataset, has
 __all__ = ["KINDS", "CsvStyle", "FileColumn", "kind_of", "read_columns"]
 
 KINDS: Mapping[str, tuple[str, ...]] = {
-    "csv": (".csv", ".txt", ".dat", ".tsv"), "uff58": (".uff", ".unv"), "sep005": (".npz",), "tdms": (".tdms",),
-    "mat": (".mat",), "hdf5": (".h5", ".hdf5", ".hdf"),
-}  # fmt: skip
+    "csv": (".csv", ".txt", ".dat", ".tsv"),
+    "uff58": (".uff", ".unv"),
+    "sep005": (".npz",),
+    "tdms": (".tdms",),
+    "mat": (".mat",),
+    "hdf5": (".h5", ".hdf5", ".hdf"),
+}
 """Formats, with their usual file name suffixes."""
 
 HEADER_LINES = 200  # lines searched for the header
@@ -44,7 +48,11 @@ RATE = Number(1e-6, 1e9)
 SEP005 = List(Keys({"name": Text(), "fs": RATE}))
 UFF58 = 58
 MAT_HEAD, MAT_PACKED = 128, 15  # header length in bytes; type number of a compressed element
-MAT_NUMBERS = {"double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
+MAT_NUMBERS = {
+    "double",
+    "single",
+    *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)),
+}
 
 
 @dataclass(frozen=True)
@@ -69,7 +77,9 @@ def kind_of(path: Path) -> str | None:
     return next((kind for kind, suffixes in KINDS.items() if path.suffix.lower() in suffixes), None)
 
 
-def read_columns(path: Path, kind: str, wanted: Sequence[str], style: CsvStyle = CsvStyle()) -> dict[str, FileColumn]:
+def read_columns(
+    path: Path, kind: str, wanted: Sequence[str], style: CsvStyle = CsvStyle()
+) -> dict[str, FileColumn]:
     """Return the wanted columns of a file by name: headers, variables or paths, or positions from
     1.
 
@@ -78,11 +88,17 @@ def read_columns(path: Path, kind: str, wanted: Sequence[str], style: CsvStyle =
     """
     kind_there = kind_of_place(path)
     if kind_there != "a file":
-        raise FormatError(f"{path} is {kind_there}, no file" if kind_there else f"there is no file {path}")
+        raise FormatError(
+            f"{path} is {kind_there}, no file" if kind_there else f"there is no file {path}"
+        )
     readers: Mapping[str, Callable[[], dict[str, FileColumn]]] = {
-        "csv": lambda: _csv(path, style), "uff58": lambda: _uff58(path), "sep005": lambda: _sep005(path, wanted),
-        "tdms": lambda: _tdms(path, wanted), "mat": lambda: _mat(path, wanted), "hdf5": lambda: _hdf5(path, wanted),
-    }  # fmt: skip
+        "csv": lambda: _csv(path, style),
+        "uff58": lambda: _uff58(path),
+        "sep005": lambda: _sep005(path, wanted),
+        "tdms": lambda: _tdms(path, wanted),
+        "mat": lambda: _mat(path, wanted),
+        "hdf5": lambda: _hdf5(path, wanted),
+    }
     try:
         found = readers[kind]()
     except FormatError:
@@ -90,7 +106,9 @@ def read_columns(path: Path, kind: str, wanted: Sequence[str], style: CsvStyle =
     except MemoryError as error:
         raise FormatError(f"{path}: out of memory while it was read") from error
     except Exception as error:  # the libraries raise any exception on a malformed file
-        raise FormatError(f"{path} cannot be read as {kind}: {str(error) or type(error).__name__}") from error
+        raise FormatError(
+            f"{path} cannot be read as {kind}: {str(error) or type(error).__name__}"
+        ) from error
     return {name: _chosen(path, found, name) for name in wanted}
 
 
@@ -147,13 +165,21 @@ def _csv(path: Path, style: CsvStyle) -> dict[str, FileColumn]:
     if path.stat().st_size > LARGEST_TEXT:
         raise FormatError(f"{path} is larger than 2 GiB: cut it into records")
     head = [line for line in islice(_lines(path, style.skip), HEADER_LINES) if line.strip()]
-    rows = list(csv.reader((line for line in head if not line.lstrip().startswith("#")), delimiter=style.delimiter))
+    rows = list(
+        csv.reader(
+            (line for line in head if not line.lstrip().startswith("#")), delimiter=style.delimiter
+        )
+    )
     if not rows:
         raise FormatError(f"{path} holds no numbers")
     # Any word that is not a number makes the first row a header; without one the columns are
     # numbered.
     first = [_number(word, style) for word in rows[0]]
-    names = [word.strip() for word in rows[0]] if None in first else [str(n + 1) for n in range(len(rows[0]))]
+    names = (
+        [word.strip() for word in rows[0]]
+        if None in first
+        else [str(n + 1) for n in range(len(rows[0]))]
+    )
     if len(rows) < 2 and None in first:
         raise FormatError(f"{path} holds no numbers below its headers")
     lines = _lines(path, style.skip)
@@ -201,12 +227,20 @@ def _uff58(path: Path) -> dict[str, FileColumn]:
     found: dict[str, FileColumn] = {}
     for number, entry in enumerate(sets, start=1):
         if len(entry["data"]) != entry["num_pts"] or len(entry["data"]) < 2:
-            raise FormatError(f"{path}: dataset {number} says {entry['num_pts']} values and has {len(entry['data'])}")
+            raise FormatError(
+                f"{path}: dataset {number} says {entry['num_pts']} values and has {len(entry['data'])}"
+            )
         # The abscissa is stored with six digits; ID line 3 of our own files states the exact rate.
-        step = 1 / _hertz(path, f"the rate of dataset {number}", 1 / float(entry["x"][1] - entry["x"][0] or np.nan))
+        step = 1 / _hertz(
+            path,
+            f"the rate of dataset {number}",
+            1 / float(entry["x"][1] - entry["x"][0] or np.nan),
+        )
         name = str(entry.get("id1", "")).strip()
         told = str(entry.get("id3", "")).split()
-        exact = float(told[1]) if len(told) == 3 and told[0] == "rate" and told[2] == "Hz" else 1 / step
+        exact = (
+            float(told[1]) if len(told) == 3 and told[0] == "rate" and told[2] == "Hz" else 1 / step
+        )
         rate = exact if math.isfinite(exact) and abs(exact * step - 1) < 1e-5 else 1 / step
         key = name if name and name not in found and name != "NONE" else str(number)
         found[key] = FileColumn(_flat(entry["data"]), rate)
@@ -222,7 +256,10 @@ def _sep005(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
             raise FormatError(f"{path}: {sentence}")
         names = [entry["name"] for entry in entries]
         places = {names.index(_name_of(path, names, name)) for name in wanted}
-        found = {names[n]: FileColumn(_flat(arrays[f"data_{n}"]), float(entries[n]["fs"])) for n in sorted(places)}
+        found = {
+            names[n]: FileColumn(_flat(arrays[f"data_{n}"]), float(entries[n]["fs"]))
+            for n in sorted(places)
+        }
     return {name: found[_name_of(path, names, name)] for name in wanted}
 
 
@@ -235,16 +272,24 @@ def _check_archive(path: Path) -> None:
         _refuse_large(path, path.stat().st_size, sum(entry.file_size for entry in entries))
         for entry in entries:
             if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise FormatError(f"{path} is packed by zip's method {entry.compress_type}; numpy writes 0 and 8")
+                raise FormatError(
+                    f"{path} is packed by zip's method {entry.compress_type}; numpy writes 0 and 8"
+                )
             with archive.open(entry) as array:
                 version = np.lib.format.read_magic(array)
                 # 3.0 is for structured types with unicode names
                 if version not in ((1, 0), (2, 0)):
                     raise FormatError(f"{path}: {entry.filename} is an array of version {version}")
-                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                read = (
+                    np.lib.format.read_array_header_1_0
+                    if version == (1, 0)
+                    else np.lib.format.read_array_header_2_0
+                )
                 shape, _, dtype = read(array)
             if math.prod(shape) * dtype.itemsize > entry.file_size:
-                raise FormatError(f"{path}: {entry.filename} claims {shape} values of {dtype}, more than it holds")
+                raise FormatError(
+                    f"{path}: {entry.filename} claims {shape} values of {dtype}, more than it holds"
+                )
 
 
 def _tdms(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
@@ -256,12 +301,16 @@ def _tdms(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
     size = path.stat().st_size
     file: Any
     with nptdms.TdmsFile.open(path) as file:  # type: ignore[attr-defined, no-untyped-call, unused-ignore]
-        channels = {f"{group.name}/{one.name}": one for group in file.groups() for one in group.channels()}
+        channels = {
+            f"{group.name}/{one.name}": one for group in file.groups() for one in group.channels()
+        }
         found = {}
         for name in wanted:
             channel = channels[_name_of(path, list(channels), name)]
             if len(channel) > size:  # nothing is packed in this format
-                raise FormatError(f"{path}: {name} claims {len(channel)} values in a file of {size} bytes")
+                raise FormatError(
+                    f"{path}: {name} claims {len(channel)} values in a file of {size} bytes"
+                )
             step = channel.properties.get("wf_increment") or None
             rate = None if step is None else _hertz(path, "1 / wf_increment", _inverse(step))
             found[name] = FileColumn(_flat(channel[:]), rate)
@@ -270,7 +319,11 @@ def _tdms(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
 
 def _inverse(step: Any) -> Any:
     """Return 1 / step for a number, anything else unchanged."""
-    return 1 / step if isinstance(step, int | float | np.number) and not isinstance(step, bool) else step
+    return (
+        1 / step
+        if isinstance(step, int | float | np.number) and not isinstance(step, bool)
+        else step
+    )
 
 
 def _mat(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
@@ -356,7 +409,9 @@ def _hdf5(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
         names = {name: name.rpartition("#")[0] or name for name in wanted}
         missing = [name for name in names.values() if not has(file, name.strip("/"))]
         if missing:
-            raise FormatError(f"{path} has no dataset {missing[0]!r}; at its root lie {', '.join(islice(file, 20))}")
+            raise FormatError(
+                f"{path} has no dataset {missing[0]!r}; at its root lie {', '.join(islice(file, 20))}"
+            )
         arrays = {}
         for name in dict.fromkeys(names.values()):
             # refuses bytes elsewhere, foreign filters and absurd sizes
@@ -365,7 +420,9 @@ def _hdf5(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
     return _by_columns(arrays, None)
 
 
-def _by_columns(arrays: Mapping[str, npt.NDArray[Any]], rate: float | None) -> dict[str, FileColumn]:
+def _by_columns(
+    arrays: Mapping[str, npt.NDArray[Any]], rate: float | None
+) -> dict[str, FileColumn]:
     """Return vectors by name, and each column of a matrix, along its longer side, as "name#1",
     "name#2", ...
     """
@@ -376,7 +433,10 @@ def _by_columns(arrays: Mapping[str, npt.NDArray[Any]], rate: float | None) -> d
             found[name] = FileColumn(_flat(flat), rate)
         elif flat.ndim == 2:
             upright = flat if flat.shape[0] >= flat.shape[1] else flat.T
-            found |= {f"{name}#{n + 1}": FileColumn(_flat(upright[:, n]), rate) for n in range(upright.shape[1])}
+            found |= {
+                f"{name}#{n + 1}": FileColumn(_flat(upright[:, n]), rate)
+                for n in range(upright.shape[1])
+            }
     return found
 
 

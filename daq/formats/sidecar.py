@@ -24,19 +24,39 @@ SCHEMA = "rig/export/1"
 LARGEST_FILE = 2**26  # bytes
 COUNT = Number(0, 1e12, whole=True)
 CERTIFICATE: dict[str, Shape] = {
-    "unit": Text(), "model": Text(), "serial": Text(), "direction": Text(), "calibration_date": Text(),
-    "sensitivity": Number(), "calibration_U": Number(0, 1), "gain_tolerance": Number(0, 1),
-    "time_constants": List(Number(1e-9, 1e9)), "time_constant_spread": Number(0, 1),
-    "corner_tolerance": Number(0, 1), "delay": Number(-1e9, 1e9), "skew_tolerance": Number(0, 1),
-    "noise_rms": Number(0, 1e12), "full_scale": Number(0),
-}  # fmt: skip
-SHAPE = Keys({
-    "schema": Text((SCHEMA,)), "sha256": Text(), "run": Text(), "order": COUNT, "repeat": COUNT,
-    "corrected": YesNo(), "rate": Number(0, 1e9, above=True), "start": Text(),
-    "window": Keys({"start": Number(0, 1e12), "cycles": COUNT, "samples_per_cycle": Number(0, 1e12)}),
-    "flags": List(Keys({"start": COUNT, "count": COUNT, "flags": Each(COUNT)})),
-    "channels": Each(Keys(CERTIFICATE)),
-})  # fmt: skip
+    "unit": Text(),
+    "model": Text(),
+    "serial": Text(),
+    "direction": Text(),
+    "calibration_date": Text(),
+    "sensitivity": Number(),
+    "calibration_U": Number(0, 1),
+    "gain_tolerance": Number(0, 1),
+    "time_constants": List(Number(1e-9, 1e9)),
+    "time_constant_spread": Number(0, 1),
+    "corner_tolerance": Number(0, 1),
+    "delay": Number(-1e9, 1e9),
+    "skew_tolerance": Number(0, 1),
+    "noise_rms": Number(0, 1e12),
+    "full_scale": Number(0),
+}
+SHAPE = Keys(
+    {
+        "schema": Text((SCHEMA,)),
+        "sha256": Text(),
+        "run": Text(),
+        "order": COUNT,
+        "repeat": COUNT,
+        "corrected": YesNo(),
+        "rate": Number(0, 1e9, above=True),
+        "start": Text(),
+        "window": Keys(
+            {"start": Number(0, 1e12), "cycles": COUNT, "samples_per_cycle": Number(0, 1e12)}
+        ),
+        "flags": List(Keys({"start": COUNT, "count": COUNT, "flags": Each(COUNT)})),
+        "channels": Each(Keys(CERTIFICATE)),
+    }
+)
 
 
 @dataclass(frozen=True)
@@ -100,7 +120,10 @@ def read_sidecar(path: Path, digest: str) -> Sidecar | None:
         document["corrected"],
         float(document["rate"]),
         (window["start"], int(window["cycles"]), window["samples_per_cycle"]),
-        tuple(FlaggedBlock(block["start"], block["count"], block["flags"]) for block in document["flags"]),
+        tuple(
+            FlaggedBlock(block["start"], block["count"], block["flags"])
+            for block in document["flags"]
+        ),
         document["channels"],
     )
 

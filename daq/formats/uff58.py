@@ -29,13 +29,17 @@ EMPTY_AXIS = (0, "NONE", "NONE")
 Axis = tuple[int, str, str]
 
 
-def write_uff58(path: Path, title: str, waves: Sequence[Wave], spectra: Iterable[Spectrum] = ()) -> None:
+def write_uff58(
+    path: Path, title: str, waves: Sequence[Wave], spectra: Iterable[Spectrum] = ()
+) -> None:
     """Write time responses (type 1), one dataset per wave, then frequency responses (type 4).
 
     Raises OSError.
     """
     with whole_file(path) as file:
-        text = io.TextIOWrapper(file, encoding="ascii", errors="replace", newline="\n", write_through=True)
+        text = io.TextIOWrapper(
+            file, encoding="ascii", errors="replace", newline="\n", write_through=True
+        )
         _write(text, title, waves, spectra)
         text.detach()
 
@@ -45,19 +49,42 @@ def _write(text: TextIO, title: str, waves: Sequence[Wave], spectra: Iterable[Sp
         _time(text, title, wave, node)
     nodes = {wave.name: (node, wave) for node, wave in enumerate(waves, start=1)}
     for spectrum in spectra:
-        (response_node, response), (reference_node, reference) = nodes[spectrum.response], nodes[spectrum.reference]
+        (response_node, response), (reference_node, reference) = (
+            nodes[spectrum.response],
+            nodes[spectrum.reference],
+        )
         _response(text, title, spectrum, (response_node, response), (reference_node, reference))
 
 
 def _time(text: TextIO, title: str, wave: Wave, node: int) -> None:
-    axes = ((SECONDS, "Time", "s"), (KINDS.get(wave.quantity, 0), wave.name, wave.unit), EMPTY_AXIS, EMPTY_AXIS)
+    axes = (
+        (SECONDS, "Time", "s"),
+        (KINDS.get(wave.quantity, 0), wave.name, wave.unit),
+        EMPTY_AXIS,
+        EMPTY_AXIS,
+    )
     ids = (wave.name, title, f"rate {wave.rate!r} Hz", wave.start or "NONE", f"unit {wave.unit}")
     freedom = f"{_word(wave.name):>10}{node:10d}{_direction(wave):4d} {'NONE':>10}{0:10d}{0:4d}"
-    _dataset(text, TIME, ids, freedom, REAL_DOUBLE, wave.signal.size, 0.0, 1 / wave.rate, axes, wave.signal.chunks())
+    _dataset(
+        text,
+        TIME,
+        ids,
+        freedom,
+        REAL_DOUBLE,
+        wave.signal.size,
+        0.0,
+        1 / wave.rate,
+        axes,
+        wave.signal.chunks(),
+    )
 
 
 def _response(
-    text: TextIO, title: str, spectrum: Spectrum, response: tuple[int, Wave], reference: tuple[int, Wave]
+    text: TextIO,
+    title: str,
+    spectrum: Spectrum,
+    response: tuple[int, Wave],
+    reference: tuple[int, Wave],
 ) -> None:
     over, under = response[1], reference[1]
     axes = (
@@ -67,7 +94,13 @@ def _response(
         EMPTY_AXIS,
     )
     words = f"{over.name} over {under.name} at the harmonics"
-    ids = (words, title, f"step {spectrum.step!r} Hz", over.start or "NONE", f"unit {spectrum.unit}")
+    ids = (
+        words,
+        title,
+        f"step {spectrum.step!r} Hz",
+        over.start or "NONE",
+        f"unit {spectrum.unit}",
+    )
     freedom = (
         f"{_word(over.name):>10}{response[0]:10d}{_direction(over):4d} "
         f"{_word(under.name):>10}{reference[0]:10d}{_direction(under):4d}"
@@ -78,16 +111,26 @@ def _response(
 
 
 def _dataset(
-    text: TextIO, kind: int, ids: Sequence[str], freedom: str, ordinate: int, count: int, first: float,
-    step: float, axes: Sequence[Axis], values: Iterable[npt.NDArray[np.float64]],
-) -> None:  # fmt: skip
+    text: TextIO,
+    kind: int,
+    ids: Sequence[str],
+    freedom: str,
+    ordinate: int,
+    count: int,
+    first: float,
+    step: float,
+    axes: Sequence[Axis],
+    values: Iterable[npt.NDArray[np.float64]],
+) -> None:
     text.write(f"{-1:6d}\n{58:6d}{'':74}\n")
     for line in ids:
         text.write(f"{visible(line)[:80]:80}\n")
     text.write(f"{kind:5d}{0:10d}{0:5d}{0:10d} {freedom}\n")
     text.write(f"{ordinate:10d}{count:10d}{1:10d}{first:13.5e}{step:13.5e}{0.0:13.5e}\n")
     for number, label, unit in axes:
-        text.write(f"{number:10d}{0:5d}{0:5d}{0:5d} {visible(label)[:20]:20} {visible(unit)[:20]:20}\n")
+        text.write(
+            f"{number:10d}{0:5d}{0:5d}{0:5d} {visible(label)[:20]:20} {visible(unit)[:20]:20}\n"
+        )
     for chunk in values:  # the length of each but the last is a multiple of four: whole lines
         whole = chunk.size - chunk.size % 4
         np.savetxt(text, chunk[:whole].reshape(-1, 4), fmt="%20.12e", delimiter="")

@@ -25,7 +25,9 @@ class MissingReader(FormatError):
     """The library for a format is not installed."""
 
     def __init__(self, kind: str, package: str) -> None:
-        super().__init__(f"reading {kind} needs the package {package}: pip install 'particle-damper-rig[formats]'")
+        super().__init__(
+            f"reading {kind} needs the package {package}: pip install 'particle-damper-rig[formats]'"
+        )
 
 
 class Samples(Protocol):

@@ -26,7 +26,9 @@ def write_csv(path: Path, waves: Sequence[Wave]) -> None:
     There is no time column: rate, start and all other facts are in the file beside it.
     """
     head = io.StringIO()
-    csv.writer(head, lineterminator="\n").writerow([cell_text(f"{wave.name} [{wave.unit}]") for wave in waves])
+    csv.writer(head, lineterminator="\n").writerow(
+        [cell_text(f"{wave.name} [{wave.unit}]") for wave in waves]
+    )
     with whole_file(path) as file:
         file.write(head.getvalue().encode())
         for chunks in zip(*(wave.signal.chunks() for wave in waves), strict=True):
@@ -69,7 +71,12 @@ def _facts(wave: Wave) -> dict[str, Any]:
     """Return one wave as a SEP-005 dict."""
     # pyFRF takes whole numbers of Hz only
     rate = int(wave.rate) if wave.rate.is_integer() else wave.rate
-    found: dict[str, Any] = {"data": wave.samples, "name": wave.name, "unit_str": wave.unit, "fs": rate}
+    found: dict[str, Any] = {
+        "data": wave.samples,
+        "name": wave.name,
+        "unit_str": wave.unit,
+        "fs": rate,
+    }
     if wave.quantity in QUANTITIES:
         found["quantity"] = QUANTITIES[wave.quantity]
     if wave.start:

@@ -40,26 +40,46 @@ SMALLEST = 1e-15  # V per unit, V: dividing by a smaller scale could overflow
 RUNS = List(
     Keys(
         {
-            "name": Text(), "condition": Text(), "repeat": Number(whole=True), "order": Number(whole=True),
-            "samples": Number(1, whole=True), "settle_samples": COUNT, "blocks": Number(1, whole=True),
+            "name": Text(),
+            "condition": Text(),
+            "repeat": Number(whole=True),
+            "order": Number(whole=True),
+            "samples": Number(1, whole=True),
+            "settle_samples": COUNT,
+            "blocks": Number(1, whole=True),
         },
-        {"t0": Text(), "title": Text(), "rate": RATE, "ledger_cycles": Number(0, whole=True, null=True)},
+        {
+            "t0": Text(),
+            "title": Text(),
+            "rate": RATE,
+            "ledger_cycles": Number(0, whole=True, null=True),
+        },
     ),
     least=1,
-)  # fmt: skip
+)
 """`session/runs`: the plan of every run."""
 
 _SPECIAL = {
-    "scale": Number(SMALLEST), "time_constant": Number(0.0, above=True, null=True), "range_V": POSITIVE,
-    **dict.fromkeys(("time_constant_spread", "calibration_U", "gain_tolerance", "clock_ppm", "noise_rms"), Number(0.0)),
-}  # fmt: skip
+    "scale": Number(SMALLEST),
+    "time_constant": Number(0.0, above=True, null=True),
+    "range_V": POSITIVE,
+    **dict.fromkeys(
+        ("time_constant_spread", "calibration_U", "gain_tolerance", "clock_ppm", "noise_rms"),
+        Number(0.0),
+    ),
+}
 _FIELDS = {
     item.name: _SPECIAL.get(item.name, Text() if item.type is str else Number())
     for item in dataclasses.fields(ChannelInfo)
 }
-_DEFAULTED = {item.name for item in dataclasses.fields(ChannelInfo) if item.default is not dataclasses.MISSING}
+_DEFAULTED = {
+    item.name for item in dataclasses.fields(ChannelInfo) if item.default is not dataclasses.MISSING
+}
 CHANNEL = Keys(
-    {"position": COUNT, **{name: shape for name, shape in _FIELDS.items() if name not in _DEFAULTED}},
+    {
+        "position": COUNT,
+        **{name: shape for name, shape in _FIELDS.items() if name not in _DEFAULTED},
+    },
     {name: shape for name, shape in _FIELDS.items() if name in _DEFAULTED},
 )
 """Attributes of a group of `session/channels`.
@@ -104,7 +124,9 @@ def plan_deviations(runs: Any) -> Iterator[str]:
         yield "session/runs names a run twice"
     for name in names:
         if name == "session" or not RUN_NAME.fullmatch(name):
-            allowed = "letters, digits, _, - and ., starting with a letter, a digit or _; not session"
+            allowed = (
+                "letters, digits, _, - and ., starting with a letter, a digit or _; not session"
+            )
             yield f"session/runs has a run called {ascii(name)[:60]}, allowed are {allowed}"
 
 
@@ -147,7 +169,10 @@ def channel_deviations(rows: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
         yield from deviations(row, CHANNEL, place)
         if row.get("name") != name:
             yield f"{place} calls itself {row.get('name')!r}"
-        if _FIELDS["sensitivity"].holds(row.get("sensitivity")) and abs(row["sensitivity"]) < SMALLEST:
+        if (
+            _FIELDS["sensitivity"].holds(row.get("sensitivity"))
+            and abs(row["sensitivity"]) < SMALLEST
+        ):
             yield f"{place}.sensitivity is {row['sensitivity']:g}, too small to divide by"
     if not rows:
         yield "session/channels is empty"
@@ -160,7 +185,9 @@ def channel_of(row: Mapping[str, Any]) -> ChannelInfo:
     """Return the ChannelInfo of a row of the channel table without deviations."""
     # HDF5 readers return whole numbers as int, but the fields are floats.
     given: dict[str, Any] = {name: row[name] for name in _FIELDS if name in row}
-    numbers: dict[str, Any] = {name: float(value) for name, value in given.items() if isinstance(value, int)}
+    numbers: dict[str, Any] = {
+        name: float(value) for name, value in given.items() if isinstance(value, int)
+    }
     return ChannelInfo(**{**given, **numbers})
 
 
@@ -180,7 +207,10 @@ def block_deviations(run: str, samples: int, rows: npt.NDArray[np.void]) -> Iter
     # Unsigned 64 bit throughout: counts from a foreign file must not wrap around to plausible
     # positions.
     ends = np.cumsum(rows["count"], dtype=np.uint64)
-    if not np.array_equal(rows["start"], ends - rows["count"]) or (int(ends[-1]) if len(ends) else 0) != samples:
+    if (
+        not np.array_equal(rows["start"], ends - rows["count"])
+        or (int(ends[-1]) if len(ends) else 0) != samples
+    ):
         yield f"{run}/blocks: the blocks do not follow each other from sample 0 to {samples}"
     if (rows["clipped"] > rows["count"][:, np.newaxis]).any():
         yield f"{run}/blocks: more samples are clipped than there are"

@@ -14,7 +14,9 @@ def plan_of(record: Record, **documents: Any) -> SessionPlan:
     additional documents.
     """
     truth = record.truth
-    attributes = {name: value for name, value in record.attributes("").items() if name not in ROOT_NAMES}
+    attributes = {
+        name: value for name, value in record.attributes("").items() if name not in ROOT_NAMES
+    }
     return SessionPlan(
         rate=record.rate,
         channels=tuple(record.channels.values()),
@@ -22,8 +24,13 @@ def plan_of(record: Record, **documents: Any) -> SessionPlan:
         conditions=tuple(record.conditions.values()),
         protocol_text=record.protocol_text,
         protocol=record.document("protocol") or {},
-        documents={name: record.document(name) for name in record.documents if name not in OWN_NAMES} | documents,
-        truth_documents={} if truth is None else {name: truth.document(name) for name in truth.documents},
+        documents={
+            name: record.document(name) for name in record.documents if name not in OWN_NAMES
+        }
+        | documents,
+        truth_documents={}
+        if truth is None
+        else {name: truth.document(name) for name in truth.documents},
         ledger_columns=record.ledger_columns,
         scalars=tuple(record.document("scalars")),
         attrs=attributes,

@@ -87,7 +87,9 @@ def attributes(owner: Any, values: Mapping[str, AttributeValue]) -> None:
         elif isinstance(value, float):
             encoded, kind = np.array(value, "<f8"), h5t.IEEE_F64LE
         else:
-            encoded = np.array(value.encode() if isinstance(value, str) else [entry.encode() for entry in value])
+            encoded = np.array(
+                value.encode() if isinstance(value, str) else [entry.encode() for entry in value]
+            )
             kind = _text_type(encoded.dtype.itemsize)
         space = h5s.create_simple(encoded.shape) if encoded.shape else SCALAR
         h5a.create(owner, name.encode(), kind, space).write(encoded, kind)
@@ -102,10 +104,16 @@ def text(owner: Any, name: str, value: str) -> None:
     h5d.create(owner, name.encode(), kind, SCALAR).write(h5s.ALL, h5s.ALL, encoded, mtype=kind)
 
 
-def array(owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0) -> Any:
+def array(
+    owner: Any, name: str, dtype: npt.DTypeLike, shape: tuple[int, ...], chunk: int = 0
+) -> Any:
     """Create a fixed-size dataset with allocated space. Tables (chunk = 0) are filled with 0."""
     return h5d.create(
-        owner, name.encode(), _memory_type(np.dtype(dtype)), h5s.create_simple(shape), _array_layout(chunk)
+        owner,
+        name.encode(),
+        _memory_type(np.dtype(dtype)),
+        h5s.create_simple(shape),
+        _array_layout(chunk),
     )
 
 
@@ -173,7 +181,9 @@ def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tup
         raise ValueError(f"{path} keeps its data in another file")
     filters = [layout.get_filter(position)[0] for position in range(layout.get_nfilters())]
     if not FILTERS.issuperset(filters):
-        raise ValueError(f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read")
+        raise ValueError(
+            f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read"
+        )
     kind, shape = found.get_type(), found.shape
     item, stored = kind.get_size(), found.get_storage_size()
     size = math.prod(shape) * item
@@ -202,7 +212,12 @@ class TableReader:
     """
 
     def __init__(
-        self, file: Any, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], known: set[str] | None
+        self,
+        file: Any,
+        path: str,
+        dtype: npt.DTypeLike,
+        shape: tuple[int, ...],
+        known: set[str] | None,
     ) -> None:
         self._dtype, self._shape = np.dtype(dtype), shape
         if known is None:
@@ -213,7 +228,9 @@ class TableReader:
         # Comparing HDF5 types first: building numpy's type of a table takes ten times as long.
         same = kind.equal(_memory_type(self._dtype))
         if there != shape or not (same or self._source.dtype == self._dtype):
-            raise ValueError(f"{path} holds {self._source.dtype} of shape {there}, expected {self._dtype} of {shape}")
+            raise ValueError(
+                f"{path} holds {self._source.dtype} of shape {there}, expected {self._dtype} of {shape}"
+            )
 
     def refresh(self) -> None:
         """Discard cached data, because another process writes."""

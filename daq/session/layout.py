@@ -9,14 +9,29 @@ from typing import Any
 
 from daq.chain.channel import ChannelInfo
 from daq.session.hdf5 import AttributeValue, array, attributes, group, text
-from daq.session.plan import CHUNK, RUN_NAME, RunPlan, SessionError, SessionPlan, block_dtype, status_dtype
+from daq.session.plan import (
+    CHUNK,
+    RUN_NAME,
+    RunPlan,
+    SessionError,
+    SessionPlan,
+    block_dtype,
+    status_dtype,
+)
 
 __all__ = [
-    "OWN_NAMES", "ROOT_NAMES", "build_session", "channel_attributes", "data_attributes", "run_attributes",
+    "OWN_NAMES",
+    "ROOT_NAMES",
+    "build_session",
+    "channel_attributes",
+    "data_attributes",
+    "run_attributes",
     "signal_attributes",
-]  # fmt: skip
+]
 
-OWN_NAMES = frozenset({"protocol", "conditions", "runs", "scalars", "protocol_text", "status", "channels", "truth"})
+OWN_NAMES = frozenset(
+    {"protocol", "conditions", "runs", "scalars", "protocol_text", "status", "channels", "truth"}
+)
 ROOT_NAMES = frozenset({"NX_class", "default", "schema", "synthetic"})
 
 
@@ -29,7 +44,10 @@ def build_session(file: Any, plan: SessionPlan) -> None:
     root = file.id
     # As a boolean: the low-level `attributes` would write an integer.
     file.attrs["synthetic"] = plan.synthetic
-    attributes(root, {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs})
+    attributes(
+        root,
+        {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs},
+    )
     session = group(root, "session", {"NX_class": "NXentry", "rate": float(plan.rate)})
     runs = [_resolved(run, plan) for run in plan.runs]
     # The format's own documents last: `_check` refuses plans that would replace them.
@@ -59,18 +77,29 @@ def _check(plan: SessionPlan) -> None:
     """Raise SessionError for a plan that the format cannot hold."""
     clash = sorted(OWN_NAMES & set(plan.documents))
     if clash:
-        raise SessionError(f"a session document cannot be called {clash[0]!r}: the format uses that name")
+        raise SessionError(
+            f"a session document cannot be called {clash[0]!r}: the format uses that name"
+        )
     names = [run.name for run in plan.runs]
     if not names or not plan.channels:
         raise SessionError("a session needs at least one run and one channel")
-    if len(set(names)) < len(names) or "session" in names or not all(map(RUN_NAME.fullmatch, names)):
+    if (
+        len(set(names)) < len(names)
+        or "session" in names
+        or not all(map(RUN_NAME.fullmatch, names))
+    ):
         allowed = "of letters, digits, _, - and . (neither of these two first), and not 'session'"
         raise SessionError(f"run names must be different, {allowed}")
     if any(run.samples < 1 or run.blocks < 1 for run in plan.runs):
         raise SessionError("every run needs room for at least one sample and one block")
-    unknown = sorted({run.condition for run in plan.runs} - {str(condition["id"]) for condition in plan.conditions})
+    unknown = sorted(
+        {run.condition for run in plan.runs}
+        - {str(condition["id"]) for condition in plan.conditions}
+    )
     if unknown:
-        raise SessionError(f"a run names the condition {unknown[0]!r}, which the plan does not list")
+        raise SessionError(
+            f"a run names the condition {unknown[0]!r}, which the plan does not list"
+        )
 
 
 def _resolved(run: RunPlan, plan: SessionPlan) -> RunPlan:
@@ -98,10 +127,16 @@ def _run(root: Any, run: RunPlan, plan: SessionPlan) -> None:
 def run_attributes(run: RunPlan) -> dict[str, AttributeValue]:
     """Return the attributes of a run's group."""
     return {
-        "NX_class": "NXentry", "default": "data", "title": run.title or f"{run.condition}, repeat {run.repeat}",
-        "condition": run.condition, "repeat": run.repeat, "order": run.order, "rate": float(run.rate or 0.0),
-        "t0": run.t0, "settle_samples": run.settle_samples,
-    }  # fmt: skip
+        "NX_class": "NXentry",
+        "default": "data",
+        "title": run.title or f"{run.condition}, repeat {run.repeat}",
+        "condition": run.condition,
+        "repeat": run.repeat,
+        "order": run.order,
+        "rate": float(run.rate or 0.0),
+        "t0": run.t0,
+        "settle_samples": run.settle_samples,
+    }
 
 
 def data_attributes(channels: Sequence[ChannelInfo]) -> dict[str, AttributeValue]:
@@ -114,9 +149,12 @@ def data_attributes(channels: Sequence[ChannelInfo]) -> dict[str, AttributeValue
 def signal_attributes(channel: ChannelInfo) -> dict[str, AttributeValue]:
     """Return the attributes of a channel's codes."""
     return {
-        "units": channel.unit, "scale": channel.scale, "offset": channel.offset, "sensitivity": channel.sensitivity,
+        "units": channel.unit,
+        "scale": channel.scale,
+        "offset": channel.offset,
+        "sensitivity": channel.sensitivity,
         "long_name": f"{channel.quantity}: (code * scale + offset) / sensitivity",
-    }  # fmt: skip
+    }
 
 
 def channel_attributes(channel: ChannelInfo, position: int) -> dict[str, AttributeValue]:
@@ -124,7 +162,9 @@ def channel_attributes(channel: ChannelInfo, position: int) -> dict[str, Attribu
     infinite, its corner 0 Hz.
     """
     values = dataclasses.asdict(channel)
-    values["time_constant"] = float("inf") if channel.time_constant is None else channel.time_constant
+    values["time_constant"] = (
+        float("inf") if channel.time_constant is None else channel.time_constant
+    )
     return {"NX_class": "NXsensor", "position": position, **values, "pole_Hz": channel.pole_Hz}
 
 
@@ -132,4 +172,6 @@ def _json(name: str, value: Any) -> str:
     try:
         return json.dumps(value, ensure_ascii=False, allow_nan=False)
     except (TypeError, ValueError) as error:
-        raise SessionError(f"the session document {name!r} cannot be written as JSON: {error}") from error
+        raise SessionError(
+            f"the session document {name!r} cannot be written as JSON: {error}"
+        ) from error

@@ -125,21 +125,37 @@ class ChannelSignal:
     flags: int
 
 
-status_dtype = np.dtype([("samples", "<u8"), ("blocks", "<u4"), ("complete", "u1"), ("flags", "<u2")])
+status_dtype = np.dtype(
+    [("samples", "<u8"), ("blocks", "<u4"), ("complete", "u1"), ("flags", "<u2")]
+)
 
 
 def block_dtype(channels: int) -> np.dtype[np.void]:
     """Return the row type of a run's `blocks` table."""
     per_channel = (channels,)
     return np.dtype(
-        [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", per_channel), ("clipped", "<u4", per_channel)]
+        [
+            ("start", "<u8"),
+            ("count", "<u4"),
+            ("flags", "<u2", per_channel),
+            ("clipped", "<u4", per_channel),
+        ]
     )
 
 
 def run_info(plan: RunPlan, status: Any) -> RunInfo:
     """Return the state of a run from its plan (with its own rate) and its status row."""
     return RunInfo(
-        name=plan.name, condition=plan.condition, repeat=plan.repeat, order=plan.order,
-        samples=int(status["samples"]), settle_samples=plan.settle_samples, complete=bool(status["complete"]),
-        flags=int(status["flags"]), planned=plan.samples, rate=float(plan.rate or 0.0), t0=plan.t0, title=plan.title,
-    )  # fmt: skip
+        name=plan.name,
+        condition=plan.condition,
+        repeat=plan.repeat,
+        order=plan.order,
+        samples=int(status["samples"]),
+        settle_samples=plan.settle_samples,
+        complete=bool(status["complete"]),
+        flags=int(status["flags"]),
+        planned=plan.samples,
+        rate=float(plan.rate or 0.0),
+        t0=plan.t0,
+        title=plan.title,
+    )

@@ -25,15 +25,42 @@ from daq.session.content import (
     refuse,
     status_deviations,
 )
-from daq.session.hdf5 import TableReader, dataset, has, is_text, members, open_for_reading, read_attributes, read_text
-from daq.session.plan import SCHEMA, ChannelSignal, RunInfo, RunPlan, SessionError, block_dtype, run_info, status_dtype
+from daq.session.hdf5 import (
+    TableReader,
+    dataset,
+    has,
+    is_text,
+    members,
+    open_for_reading,
+    read_attributes,
+    read_text,
+)
+from daq.session.plan import (
+    SCHEMA,
+    ChannelSignal,
+    RunInfo,
+    RunPlan,
+    SessionError,
+    block_dtype,
+    run_info,
+    status_dtype,
+)
 from daq.session.time_limit import limited
 
 __all__ = ["Record", "SessionTruth", "open_session"]
 
 Codes = npt.NDArray[np.int32]
 KEPT_TABLES = 32  # datasets kept open, enough for a run or two
-DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, AttributeError, MemoryError)
+DAMAGE = (
+    OSError,
+    RuntimeError,
+    KeyError,
+    ValueError,
+    TypeError,
+    IndexError,
+    AttributeError,
+    MemoryError,
+)
 """Exceptions that h5py and the decoders raise on a damaged file."""
 
 
@@ -49,7 +76,9 @@ def open_session(path: Path | str, patience: float | None = None) -> "Record":
     place = Path(path)
     if not place.is_file():
         kind = kind_of_place(place)
-        found = f"{place} is {kind}, no session file" if kind else f"there is no session file {place}"
+        found = (
+            f"{place} is {kind}, no session file" if kind else f"there is no session file {place}"
+        )
         raise SessionError(found)
     file = _opened(place, patience)
     try:
@@ -79,7 +108,9 @@ class Record:
     so that a foreign file cannot point the reader at other files.
     """
 
-    def __init__(self, file: Any, path: Path, patience: float | None = None, made: bool = False) -> None:
+    def __init__(
+        self, file: Any, path: Path, patience: float | None = None, made: bool = False
+    ) -> None:
         self._file = file
         self._path = path
         self._patience = patience
@@ -112,7 +143,10 @@ class Record:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self.close()
 
@@ -143,7 +177,9 @@ class Record:
     def runs(self) -> tuple[RunInfo, ...]:
         """All runs in the order of the plan, with their present state."""
         rows = self._status_rows() if self._live else self.status_rows
-        return tuple(run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True))
+        return tuple(
+            run_info(plan, row) for plan, row in zip(self._plans.values(), rows, strict=True)
+        )
 
     def run(self, name: str) -> RunInfo:
         """Return one run, with its present state."""
@@ -193,8 +229,12 @@ class Record:
         for run in self._plans:
             if has(self._file, f"{run}/truth/ledger"):
                 columns = self.attributes(f"{run}/truth/ledger").get("columns")
-                if not isinstance(columns, tuple) or not all(isinstance(name, str) for name in columns):
-                    raise SessionError(f"{self._path} is damaged: {run}/truth/ledger does not name its columns")
+                if not isinstance(columns, tuple) or not all(
+                    isinstance(name, str) for name in columns
+                ):
+                    raise SessionError(
+                        f"{self._path} is damaged: {run}/truth/ledger does not name its columns"
+                    )
                 return columns
         return ()
 
@@ -229,22 +269,33 @@ class Record:
         by its certified sensitivity.
         """
         first, last = self._within(run, self._status(run), start, stop)
-        return self.signal_of(run, name, first, self._codes(run, self._channel(name).name, first, last))
+        return self.signal_of(
+            run, name, first, self._codes(run, self._channel(name).name, first, last)
+        )
 
     def signal_of(self, run: str, name: str, start: int, codes: Codes) -> ChannelSignal:
         """Return the signal, as `signal` does, of codes of a channel that were read before; the
         first is sample `start`.
         """
-        channel, status, first, last = self._channel(name), self._status(run), start, start + codes.size
+        channel, status, first, last = (
+            self._channel(name),
+            self._status(run),
+            start,
+            start + codes.size,
+        )
         samples = codes.astype(np.float64)
         # In place: a record may be hundreds of MB.
         samples *= channel.scale / channel.sensitivity
         if channel.offset:
             samples += channel.offset / channel.sensitivity
         blocks = self._blocks(run, status)
-        touched = (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first) & (first < last)
+        touched = (
+            (blocks["start"] < last) & (blocks["start"] + blocks["count"] > first) & (first < last)
+        )
         flags = np.bitwise_or.reduce(blocks["flags"][touched, self._columns[name]], initial=0)
-        return ChannelSignal(samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags))
+        return ChannelSignal(
+            samples, float(self._plans[run].rate or self.rate), channel.unit, int(flags)
+        )
 
     def codes(self, run: str, name: str, start: int = 0, stop: int | None = None) -> Codes:
         """Return converter codes start..stop (default: all valid ones) of a channel, int32."""
@@ -257,7 +308,9 @@ class Record:
         codes = np.empty((len(self.channels), last - first), np.int32)
         for row, name in zip(codes, self.channels, strict=True):
             with self.readable():
-                self._table(f"{run}/data/{name}", "<i4", (self._plans[run].samples,)).read_into(row, first)
+                self._table(f"{run}/data/{name}", "<i4", (self._plans[run].samples,)).read_into(
+                    row, first
+                )
         return codes
 
     def blocks(self, run: str) -> npt.NDArray[np.void]:
@@ -285,7 +338,9 @@ class Record:
     def texts(self, path: str) -> tuple[str, ...]:
         """Return the sorted names of the text datasets in a group."""
         with self.readable():
-            return tuple(name for name in members(self._file, path) if is_text(self._file, f"{path}/{name}"))
+            return tuple(
+                name for name in members(self._file, path) if is_text(self._file, f"{path}/{name}")
+            )
 
     def json_or_none(self, path: str) -> Any:
         """Return the JSON value of the text dataset at `path`, None where there is none."""
@@ -320,7 +375,9 @@ class Record:
         """Return the number of cycles for which a run's ledger has room."""
         return self._plans[run].ledger_cycles or 0
 
-    def ledger_rows(self, run: str, start: int = 0, stop: int | None = None) -> npt.NDArray[np.float64]:
+    def ledger_rows(
+        self, run: str, start: int = 0, stop: int | None = None
+    ) -> npt.NDArray[np.float64]:
         """Return rows start..stop of a run's ledger, clipped to its length, (cycles, columns)."""
         self._status(run)  # refuses unknown names
         cycles = self.ledger_cycles(run)
@@ -332,7 +389,12 @@ class Record:
         return rows
 
     def _rows(
-        self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...], start: int = 0, stop: int | None = None
+        self,
+        path: str,
+        dtype: npt.DTypeLike,
+        shape: tuple[int, ...],
+        start: int = 0,
+        stop: int | None = None,
     ) -> npt.NDArray[Any]:
         """Return the present rows start..stop of the table with that type and shape."""
         with self.readable():
@@ -343,7 +405,9 @@ class Record:
         cached chunks are out of date.
         """
         if self._live:
-            source = TableReader(self._file, path, dtype, shape, set() if self._known is None else self._known)
+            source = TableReader(
+                self._file, path, dtype, shape, set() if self._known is None else self._known
+            )
             source.refresh()
             return source
         if path not in self._tables:
@@ -372,7 +436,9 @@ class Record:
         if self._known_blocks is not None and self._known_blocks[0] == run:
             return self._known_blocks[1]
         shape = (self._plans[run].blocks,)
-        rows = self._rows(f"{run}/blocks", block_dtype(len(self.channels)), shape, 0, int(status["blocks"]))
+        rows = self._rows(
+            f"{run}/blocks", block_dtype(len(self.channels)), shape, 0, int(status["blocks"])
+        )
         with self.readable():
             refuse(block_deviations(run, int(status["samples"]), rows))
         if status["complete"]:

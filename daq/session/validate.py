@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from daq.chain.block import Flag
-from daq.session.layout import ROOT_NAMES, channel_attributes, data_attributes, run_attributes, signal_attributes
+from daq.session.layout import (
+    ROOT_NAMES,
+    channel_attributes,
+    data_attributes,
+    run_attributes,
+    signal_attributes,
+)
 from daq.session.plan import CHUNK, RunPlan, SessionError
 from daq.session.record import Record
 
@@ -57,7 +63,9 @@ def _documents(record: Record) -> Iterator[str]:
 def _channels(record: Record) -> Iterator[str]:
     for position, channel in enumerate(record.channels.values()):
         place = f"session/channels/{channel.name}"
-        yield from _differing(place, record.attributes(place), channel_attributes(channel, position))
+        yield from _differing(
+            place, record.attributes(place), channel_attributes(channel, position)
+        )
 
 
 def _truth(record: Record) -> Iterator[str]:
@@ -74,7 +82,9 @@ def _run(record: Record, plan: RunPlan) -> Iterator[str]:
     info = record.run(plan.name)
     yield from _differing(plan.name, record.attributes(plan.name), run_attributes(plan))
     channels = tuple(record.channels.values())
-    yield from _differing(f"{plan.name}/data", record.attributes(f"{plan.name}/data"), data_attributes(channels))
+    yield from _differing(
+        f"{plan.name}/data", record.attributes(f"{plan.name}/data"), data_attributes(channels)
+    )
     for channel in channels:
         place = f"{plan.name}/data/{channel.name}"
         yield from _differing(place, record.attributes(place), signal_attributes(channel))
@@ -87,10 +97,15 @@ def _run(record: Record, plan: RunPlan) -> Iterator[str]:
         yield f"session/status: {plan.name} lacks flags that its blocks have: {missing:#x}"
     if record.scalar_names:
         names = {"names": record.scalar_names}
-        yield from _differing(f"{plan.name}/scalars", record.attributes(f"{plan.name}/scalars"), names)
+        yield from _differing(
+            f"{plan.name}/scalars", record.attributes(f"{plan.name}/scalars"), names
+        )
         record.scalars(plan.name)
     if record.synthetic and record.ledger_columns:
-        place, columns = f"{plan.name}/truth/ledger", {"columns": record.ledger_columns, "units": "J"}
+        place, columns = (
+            f"{plan.name}/truth/ledger",
+            {"columns": record.ledger_columns, "units": "J"},
+        )
         yield from _differing(place, record.attributes(place), columns)
         record.ledger_rows(plan.name)
 

@@ -119,7 +119,10 @@ class Recorder:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         try:
             self.close()
@@ -135,16 +138,22 @@ class Recorder:
         row, info = self._row(run), self._infos[run]
         first, used = int(row["samples"]), int(row["blocks"])
         if block.codes.shape[0] != len(self._channels):
-            raise SessionError(f"{run}: a block of {block.codes.shape[0]} channels, expected {len(self._channels)}")
+            raise SessionError(
+                f"{run}: a block of {block.codes.shape[0]} channels, expected {len(self._channels)}"
+            )
         if block.start != first:
             raise SessionError(f"{run}: a block starts at sample {block.start}, expected {first}")
         table = self._dataset(f"{run}/blocks")
         if first + block.count > info.planned or used >= table.shape[0]:
-            raise SessionError(f"{run} is full: {info.planned} samples in {table.shape[0]} blocks were planned")
+            raise SessionError(
+                f"{run} is full: {info.planned} samples in {table.shape[0]} blocks were planned"
+            )
         for name, codes in zip(self._channels, block.codes, strict=True):
             self._write(f"{run}/data/{name}", first, np.ascontiguousarray(codes, dtype="<i4"))
         entry = (block.start, block.count, block.flags, block.clipped)
-        self._write(f"{run}/blocks", used, np.array([entry], dtype=block_dtype(len(self._channels))))
+        self._write(
+            f"{run}/blocks", used, np.array([entry], dtype=block_dtype(len(self._channels)))
+        )
         # The status is written last: a kill before leaves the block uncounted, not half valid.
         row["samples"], row["blocks"] = first + block.count, used + 1
         # Settling is normal at the start of a run; every other flag sticks to the run.
@@ -155,7 +164,11 @@ class Recorder:
         """Write ledger rows (cycles, columns), J per cycle, from `first_cycle` on."""
         self._row(run)
         table = self._dataset(f"{run}/truth/ledger")
-        if rows.ndim != 2 or rows.shape[1] != table.shape[1] or not 0 <= first_cycle <= table.shape[0] - len(rows):
+        if (
+            rows.ndim != 2
+            or rows.shape[1] != table.shape[1]
+            or not 0 <= first_cycle <= table.shape[0] - len(rows)
+        ):
             raise SessionError(
                 f"{run}: ledger rows of shape {rows.shape} from {first_cycle} on do not fit {table.shape}"
             )
@@ -168,17 +181,27 @@ class Recorder:
         """
         row, info = self._row(run), self._infos[run]
         if int(row["samples"]) != info.planned:
-            raise SessionError(f"{run} has {int(row['samples'])} of {info.planned} samples: it is not complete")
+            raise SessionError(
+                f"{run} has {int(row['samples'])} of {info.planned} samples: it is not complete"
+            )
         if set(scalars) != set(self._scalar_names):
-            raise SessionError(f"{run}: scalars {sorted(scalars)}, expected {sorted(self._scalar_names)}")
+            raise SessionError(
+                f"{run}: scalars {sorted(scalars)}, expected {sorted(self._scalar_names)}"
+            )
         if self._scalar_names:
-            self._write(f"{run}/scalars", 0, np.array([scalars[name] for name in self._scalar_names], dtype="<f8"))
+            self._write(
+                f"{run}/scalars",
+                0,
+                np.array([scalars[name] for name in self._scalar_names], dtype="<f8"),
+            )
         self._check_there(run)
         row["complete"] = 1
         row["flags"] |= np.uint16(flags)
         self._write_status(run)
         # Handles of a complete run are closed: a session has thousands of datasets.
-        self._open = {path: rows for path, rows in self._open.items() if not path.startswith(f"{run}/")}
+        self._open = {
+            path: rows for path, rows in self._open.items() if not path.startswith(f"{run}/")
+        }
 
     def completed(self) -> set[str]:
         """Return the names of the complete runs."""

@@ -56,11 +56,15 @@ class WriterLock:
             return
         tries = TRIES
         while True:
-            self._descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+            self._descriptor = os.open(
+                self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644
+            )
             if not stat.S_ISREG(os.fstat(self._descriptor).st_mode):
                 os.close(self._descriptor)
                 self._descriptor = -1
-                raise AlreadyLocked(f"{self._path} is no regular file, and so no lock of a writer: remove it")
+                raise AlreadyLocked(
+                    f"{self._path} is no regular file, and so no lock of a writer: remove it"
+                )
             try:
                 fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:

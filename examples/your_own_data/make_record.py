@@ -1,12 +1,14 @@
-"""A measured record without a laboratory: a box on a dashpot and a hysteretic spring, in closed form, with noise.
+"""A measured record without a laboratory: a box on a dashpot and a hysteretic spring, in closed
+form, with noise.
 
 Needs numpy only and nothing of this project. The box moves as x(t) = X sin(wt); a force gauge sees
 
     F = m x'' + c x' + (k h / w) x'
 
-m rigid mass, c a dashpot, k h the loss stiffness of a hysteretic (structural) damper, whose loss per cycle does not
-depend on frequency. So W = pi c w X^2 + pi k h X^2 per cycle, exactly. The drive is at 19.87 Hz, which makes no whole
-number of samples per cycle at 5120 Hz; the record begins before the shaker is steady; both channels carry white noise.
+m rigid mass, c a dashpot, k h the loss stiffness of a hysteretic (structural) damper, whose loss
+per cycle does not depend on frequency. So W = pi c w X^2 + pi k h X^2 per cycle, exactly. The drive
+is at 19.87 Hz, which makes no whole number of samples per cycle at 5120 Hz; the record begins
+before the shaker is steady; both channels carry white noise.
 
     python make_record.py [FOLDER]     writes box_1.csv, box_2.csv, box_3.csv and empty.csv
 """
@@ -49,7 +51,9 @@ def main(folder: Path) -> None:
     for number in (1, 2, 3):
         _write(folder / f"box_{number}.csv", record(MASS, DASHPOT, LOSS_STIFFNESS, number))
     _write(folder / "empty.csv", record(EMPTY_MASS, 0.0, 0.0, 4))
-    print(f"W = {energy(LEVEL, DASHPOT, LOSS_STIFFNESS):.6e} J per cycle in box_1 to box_3, 0 in empty")
+    print(
+        f"W = {energy(LEVEL, DASHPOT, LOSS_STIFFNESS):.6e} J per cycle in box_1 to box_3, 0 in empty"
+    )
 
 
 def _write(path: Path, rows: np.ndarray) -> None:

@@ -9,11 +9,11 @@ import numpy as np
 
 from rig.beds.bed import Array
 from rig.beds.janssen_stack import Filling, bed_mass, stack
-from rig.beds.single_mass import slug
+from rig.beds.single_mass import single_mass
 from rig.catalog.entries import Rig
 from rig.protocol.spec import Scene
 
-LEAST_PLAY = 1e-9
+LEAST_CLEARANCE = 1e-9
 """Clearance, m, below which a row is treated as bonded to the box."""
 ENDLESS = 1e3
 """Position, m, of a wall that the model does not have: far enough never to be reached."""
@@ -31,7 +31,8 @@ class TwoWay:
     damping : coefficient of a dashpot between box and ground, N s/m
     row_mass, restitution : mass of each row, kg, and its coefficient of restitution at the end
         walls
-    band, play : friction of each row against the box divided by its mass, m/s^2, and its free play,
+    band, clearance : friction of each row against the box divided by its mass, m/s^2, and its
+    clearance,
         m, shape (rows,)
     pull : acceleration of the rows along the drive axis due to gravity, m/s^2; the support of the
         box carries their weight
@@ -44,7 +45,7 @@ class TwoWay:
     row_mass: float = 0.0
     restitution: float = 0.0
     band: Array = field(default_factory=_none)
-    play: Array = field(default_factory=_none)
+    clearance: Array = field(default_factory=_none)
     pull: float = 0.0
     start: float = 0.0
     velocity: float = 0.0
@@ -57,27 +58,27 @@ class TwoWay:
 
 def _layers(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
     bed = stack(scene, rig, filling)
-    band = np.tile(bed.threshold, bed.play.shape[1])
-    play = bed.play.T.ravel()
-    free = play > LEAST_PLAY
+    band = np.tile(bed.threshold, bed.clearance.shape[1])
+    clearance = bed.clearance.T.ravel()
+    free = clearance > LEAST_CLEARANCE
     # A row without clearance cannot slide: its mass belongs to the box.
     # A row without clearance cannot slide: its mass belongs to the box.
     bonded = bed.carried_mass + bed.row_mass * float(np.count_nonzero(~free))
-    return TwoWay(bonded, 0.0, bed.row_mass, bed.restitution, band[free], play[free])
+    return TwoWay(bonded, 0.0, bed.row_mass, bed.restitution, band[free], clearance[free])
 
 
-def _slug(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
+def _single_mass(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
     """Return the single mass as one row. Walls at infinity become walls at `ENDLESS`."""
-    one = slug(scene, rig, filling)
+    one = single_mass(scene, rig, filling)
     low = max(one.low, -ENDLESS)
-    play = min(one.high, ENDLESS) - low
-    if one.mass == 0.0 or play <= LEAST_PLAY:
+    clearance = min(one.high, ENDLESS) - low
+    if one.mass == 0.0 or clearance <= LEAST_CLEARANCE:
         return TwoWay(bonded=one.mass)
     return TwoWay(
         row_mass=one.mass,
         restitution=one.restitution,
         band=np.array([one.friction]),
-        play=np.array([play]),
+        clearance=np.array([clearance]),
         pull=-one.weight,
         start=one.start - low,
         velocity=one.velocity,
@@ -90,7 +91,7 @@ TWO_WAY: dict[str, Callable[[Scene, Rig, Filling], TwoWay]] = {
     "locked": lambda scene, _rig, filling: TwoWay(bonded=bed_mass(scene, filling.packing)),
     "dashpot": lambda scene, _rig, _filling: TwoWay(damping=scene.dashpot.c),
     "layers": _layers,
-    "slug": _slug,
+    "single_mass": _single_mass,
 }
 """Maps the name of a bed to its factory: (scene, rig, filling) -> bed for the
 shaker-coupled stand.

@@ -16,14 +16,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Filling:
-    """Properties that differ between refills: shaken bulk fraction, play factor and row positions.
+    """Properties that differ between refills: shaken bulk fraction, clearance factor and row
+    positions.
 
-    `position` is the position u in [0, 1] of a row within its stratum of the play distribution: one
-    number for all rows, or an array (layers, rows).
+    `position` is the position u in [0, 1] of a row within its stratum of the clearance
+    distribution: one number for all rows, or an array (layers, rows).
     """
 
     packing: float
-    play: float
+    clearance: float
     position: float | Array = 0.5
 
 
@@ -32,14 +33,14 @@ class Stack:
     """The layers that can slide, top first, and the mass that rides with the box.
 
     threshold : box acceleration at which each mobile layer starts to slide, m/s^2, shape (layers,)
-    play : free play of each row, m, shape (layers, rows)
+    clearance : clearance of each row, m, shape (layers, rows)
     row_mass : mass of one row, kg
     carried_mass : mass of the layers that have no room to move, kg
     restitution : coefficient of restitution of a row's centre of mass at an end wall
     """
 
     threshold: Array
-    play: Array
+    clearance: Array
     row_mass: float
     carried_mass: float
     restitution: float
@@ -47,23 +48,25 @@ class Stack:
     @property
     def mass(self) -> float:
         """Mass of the whole bed, kg."""
-        return self.carried_mass + self.row_mass * self.play.size
+        return self.carried_mass + self.row_mass * self.clearance.size
 
 
 def nominal(scene: Scene, rig: Rig) -> Filling:
-    """Return the filling that W_T assumes: nominal packing and play, rows in the middle of their
-    strata.
+    """Return the filling that W_T assumes: nominal packing and clearance, rows in the middle of
+    their strata.
     """
-    return Filling(rig.packing_shaken, scene.layers.play)
+    return Filling(rig.packing_shaken, scene.layers.clearance)
 
 
 def refill(scene: Scene, rig: Rig, rng: np.random.Generator) -> Filling:
-    """Return one random refill: packing, play and row positions with the rig file's assumed
+    """Return one random refill: packing, clearance and row positions with the rig file's assumed
     scatter.
     """
     packing = rig.packing_shaken * (1.0 + rig.refill_packing * rng.standard_normal())
-    play = scene.layers.play * max(1.0 + rig.refill_play * rng.standard_normal(), 0.0)
-    return Filling(packing, play, rng.random((layer_count(scene), scene.layers.rows)))
+    clearance = scene.layers.clearance * max(
+        1.0 + rig.refill_clearance * rng.standard_normal(), 0.0
+    )
+    return Filling(packing, clearance, rng.random((layer_count(scene), scene.layers.rows)))
 
 
 def layer_count(scene: Scene) -> int:
@@ -79,7 +82,9 @@ def bed_mass(scene: Scene, packing: float) -> float:
     bulk fraction `packing`.
     """
     cavity = scene.cavity
-    return packing * _density(scene) * cavity.length * cavity.width * cavity.height * scene.grains.fill
+    return (
+        packing * _density(scene) * cavity.length * cavity.width * cavity.height * scene.grains.fill
+    )
 
 
 def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> float:
@@ -95,7 +100,7 @@ def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> fl
 
 
 def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
-    """Return the layers of one filling (docs/model.md, closed tier): thresholds f_i/m, plays,
+    """Return the layers of one filling (docs/model.md, closed tier): thresholds f_i/m, clearances,
     masses and restitution.
 
     Raises InputError for rows that are too long and too elastic for their rebound to be followed.
@@ -109,22 +114,36 @@ def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
     layer_mass = bulk * cavity.length * cavity.width * spacing
     saturation = janssen_length(cavity.length, cavity.width, rig.wall_friction, rig.janssen_ratio)
     capacity = layer_capacity(
-        layers, spacing, cavity.length, cavity.width, bulk, rig.gravity, rig.grain_friction, saturation
+        layers,
+        spacing,
+        cavity.length,
+        cavity.width,
+        bulk,
+        rig.gravity,
+        rig.grain_friction,
+        saturation,
     )
     if settings.side_walls:
         capacity = capacity + side_wall_capacity(
-            layers, spacing, cavity.length, bulk, rig.gravity, rig.wall_friction, rig.janssen_ratio, saturation
+            layers,
+            spacing,
+            cavity.length,
+            bulk,
+            rig.gravity,
+            rig.wall_friction,
+            rig.janssen_ratio,
+            saturation,
         )
     mobile = round(mobile_share(grains.fill, filling.packing, rig.packing_loose) * layers)
-    # Stratified sampling of the play: each row draws from its own stratum of [1 - spread, 1 +
+    # Stratified sampling of the clearance: each row draws from its own stratum of [1 - spread, 1 +
     # spread].
-    # Stratified sampling of the play: each row draws from its own stratum of [1 - spread, 1 +
+    # Stratified sampling of the clearance: each row draws from its own stratum of [1 - spread, 1 +
     # spread].
     stratum = np.arange(settings.rows) + np.broadcast_to(filling.position, (layers, settings.rows))
     spread = 1.0 - settings.spread + 2.0 * settings.spread * stratum / settings.rows
     return Stack(
         threshold=capacity[:mobile] / layer_mass,
-        play=(filling.play * slip_distance(grains.diameter) * spread)[:mobile],
+        clearance=(filling.clearance * slip_distance(grains.diameter) * spread)[:mobile],
         row_mass=layer_mass / settings.rows,
         carried_mass=layer_mass * (layers - mobile),
         restitution=_row_restitution(grains_in_row(cavity.length, grains.diameter), rig),
@@ -135,9 +154,7 @@ def _row_restitution(grains: int, rig: Rig) -> float:
     try:
         return row_restitution(grains, rig.restitution_grains, rig.restitution_wall)
     except TooManyHits as error:
-        allowed = (
-            f"at most {LONGEST_ROW} grains, or a restitution of at most 1 - {COLLAPSE:g}/n, where rows are plastic"
-        )
+        allowed = f"at most {LONGEST_ROW} grains, or a restitution of at most 1 - {COLLAPSE:g}/n, where rows are plastic"
         raise InputError(Mistake("scene", "scene.grains.diameter", str(error), allowed)) from error
 
 

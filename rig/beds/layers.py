@@ -31,10 +31,16 @@ class LayersBed:
         band = stack.threshold / motion.acceleration
         found = crossings(band, *self._coefficients, extrema(*self._coefficients))
         flowing = np.flatnonzero(found.counts)
-        play = stack.play[flowing] / motion.length_unit
-        self._rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), stack.restitution, band, found.tables)
-        self._memory = np.zeros(play.size, MEMORY)
-        self._riding_mass = stack.mass - stack.row_mass * play.size
+        clearance = stack.clearance[flowing] / motion.length_unit
+        self._rows = RowSet(
+            np.repeat(flowing, clearance.shape[1]),
+            clearance.ravel(),
+            stack.restitution,
+            band,
+            found.tables,
+        )
+        self._memory = np.zeros(clearance.size, MEMORY)
+        self._riding_mass = stack.mass - stack.row_mass * clearance.size
         self._velocity = _Velocity(np.zeros(0), np.zeros(0))
 
     @property
@@ -101,9 +107,9 @@ def cannot_follow(stack: Stack, what: str) -> InputError:
     return InputError(
         Mistake(
             where="scene",
-            field="scene.layers.play",
-            found=f"rows with {stack.play.min():.3g} m of play or more and restitution {stack.restitution:.3g}: "
+            field="scene.layers.clearance",
+            found=f"rows with {stack.clearance.min():.3g} m of clearance or more and restitution {stack.restitution:.3g}: "
             f"one {what}",
-            allowed="a play nearer to the amplitude, friction, or rows that rebound less",
+            allowed="a clearance nearer to the amplitude, friction, or rows that rebound less",
         )
     )

@@ -6,7 +6,7 @@ from rig.beds.bed import Bed
 from rig.beds.janssen_stack import Filling, bed_mass, stack
 from rig.beds.layers import LayersBed
 from rig.beds.rigid import DashpotBed, LockedBed
-from rig.beds.single_mass import SlugBed, slug
+from rig.beds.single_mass import SingleMassBed, single_mass
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling
 from rig.protocol.spec import Scene
@@ -14,9 +14,13 @@ from rig.protocol.spec import Scene
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "empty": lambda _scene, _rig, _filling, sampling: LockedBed(0.0, sampling),
     "loop_back": lambda _scene, _rig, _filling, sampling: LockedBed(0.0, sampling),
-    "locked": lambda scene, _rig, filling, sampling: LockedBed(bed_mass(scene, filling.packing), sampling),
+    "locked": lambda scene, _rig, filling, sampling: LockedBed(
+        bed_mass(scene, filling.packing), sampling
+    ),
     "dashpot": lambda scene, _rig, _filling, sampling: DashpotBed(scene.dashpot.c, sampling),
-    "slug": lambda scene, rig, filling, sampling: SlugBed(slug(scene, rig, filling), sampling),
+    "single_mass": lambda scene, rig, filling, sampling: SingleMassBed(
+        single_mass(scene, rig, filling), sampling
+    ),
     "layers": lambda scene, rig, filling, sampling: LayersBed(stack(scene, rig, filling), sampling),
 }
 """Maps the name of a bed to its factory: (scene, rig, filling, sampling) -> bed at the start of the

@@ -26,7 +26,15 @@ class LockedBed:
         velocity = self.sampling.edges(self._cycles, cycles).velocity[1:]
         self._cycles += cycles
         none = np.zeros(cycles)
-        return Reaction(self.mass * velocity, none, none, none, none, np.full(cycles, self.kinetic_at_start), repeats=1)
+        return Reaction(
+            self.mass * velocity,
+            none,
+            none,
+            none,
+            none,
+            np.full(cycles, self.kinetic_at_start),
+            repeats=1,
+        )
 
 
 @dataclass

@@ -1,5 +1,5 @@
-"""Bed `slug` in prescribed motion: all grains as a single mass in the free gap that they leave,
-event by event.
+"""Bed `single_mass` in prescribed motion: all grains as a single mass in the free gap that they
+leave, event by event.
 """
 
 import math
@@ -28,15 +28,18 @@ def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
     return max(along * (1.0 - scene.grains.fill * filling.packing / rig.packing_loose), 0.0)
 
 
-def slug(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
+def single_mass(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
     """Return the single mass of a filling. Its gap comes from the scene, or from the fill if the
     scene gives none; without a gap it starts at rest.
     """
-    settings, vertical = scene.slug, scene.axis == "vertical"
+    settings, vertical = scene.single_mass, scene.axis == "vertical"
     if settings.gap == "none":
         low, high = 0.0 if vertical else -math.inf, math.inf
     else:
-        low, high = 0.0, free_gap(scene, rig, filling) if settings.gap is None else float(settings.gap)
+        low, high = (
+            0.0,
+            free_gap(scene, rig, filling) if settings.gap is None else float(settings.gap),
+        )
     return SingleMass(
         mass=bed_mass(scene, filling.packing),
         low=low,
@@ -49,18 +52,20 @@ def slug(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
     )
 
 
-class SlugBed:
+class SingleMassBed:
     """A single mass in a box that follows a waveform. `momentum` excludes its weight: `Stand` adds
     it.
     """
 
-    def __init__(self, slug: SingleMass, sampling: Sampling) -> None:
+    def __init__(self, single_mass: SingleMass, sampling: Sampling) -> None:
         motion = sampling.motion
-        self._slug = slug
+        self._single_mass = single_mass
         self._sampling = sampling
         self._coefficients = motion.coefficients
-        self._world, self._table = slug.world(motion.acceleration, motion.frequency, *self._coefficients)
-        self._state = slug.state(motion.acceleration, motion.frequency)
+        self._world, self._table = single_mass.world(
+            motion.acceleration, motion.frequency, *self._coefficients
+        )
+        self._state = single_mass.state(motion.acceleration, motion.frequency)
         self._events = no_events()
         self._cycles = 0
         self._passed: list[State] = []
@@ -68,15 +73,17 @@ class SlugBed:
     @property
     def mass(self) -> float:
         """Mass of the grains, kg."""
-        return self._slug.mass
+        return self._single_mass.mass
 
     @property
     def kinetic_at_start(self) -> float:
         """Energy when the motion starts, J: kinetic, plus potential above the floor where it has
         weight.
         """
-        slug, velocity = self._slug, self._sampling.motion.start_velocity
-        return slug.mass * (0.5 * (velocity + slug.velocity) ** 2 + slug.weight * slug.start)
+        single_mass, velocity = self._single_mass, self._sampling.motion.start_velocity
+        return single_mass.mass * (
+            0.5 * (velocity + single_mass.velocity) ** 2 + single_mass.weight * single_mass.start
+        )
 
     def advance(self, cycles: int) -> Reaction:
         """Advance by whole cycles of the drive. Raises InputError if there are too many events to
@@ -86,15 +93,23 @@ class SlugBed:
         velocity: Array = self._sampling.edges(self._cycles, cycles).velocity[1:] / unit
         repeats = self._repeats()
         momentum, found = follow(
-            self._cycles, cycles, float(self._sampling.edges_per_cycle), velocity, self._slug.mass * unit,
-            self._state, self._world, self._table, *self._coefficients, self._events,
-        )  # fmt: skip
+            self._cycles,
+            cycles,
+            float(self._sampling.edges_per_cycle),
+            velocity,
+            self._single_mass.mass * unit,
+            self._state,
+            self._world,
+            self._table,
+            *self._coefficients,
+            self._events,
+        )
         if (found.counts[:, 0] < 0).any():
-            raise too_many_events(self._slug)
+            raise too_many_events(self._single_mass)
         self._cycles += cycles
         mode, q, u = found.state[-1]
         self._state = State(int(mode), float(q), float(u))
-        energy = self._slug.mass * unit**2 * found.energy
+        energy = self._single_mass.mass * unit**2 * found.energy
         return Reaction(
             momentum=momentum,
             work=energy[:, 0],
@@ -109,21 +124,23 @@ class SlugBed:
         """Return after how many calls of `advance` the current state has recurred exactly; 0 for
         none yet.
         """
-        back = next((n for n, state in enumerate(reversed(self._passed), 1) if state == self._state), 0)
+        back = next(
+            (n for n, state in enumerate(reversed(self._passed), 1) if state == self._state), 0
+        )
         self._passed = [*self._passed[1 - LOOK_BACK :], self._state]
         return back
 
 
-def too_many_events(slug: SingleMass) -> InputError:
+def too_many_events(single_mass: SingleMass) -> InputError:
     """Return the error for a single mass that bounces more often in a cycle than can be
     followed.
     """
     return InputError(
         Mistake(
             where="scene",
-            field="scene.slug",
-            found=f"a slug of restitution {slug.restitution:.3g} in a gap of {slug.high - slug.low:.3g} m "
+            field="scene.single_mass",
+            found=f"a single mass of restitution {single_mass.restitution:.3g} in a gap of {single_mass.high - single_mass.low:.3g} m "
             "meets more events than can be followed: 65536 in one cycle, or 1e7 on the way to its mean",
-            allowed="a larger gap, or a slug that rebounds less",
+            allowed="a larger gap, or a single mass that rebounds less",
         )
     )

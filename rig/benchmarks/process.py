@@ -40,7 +40,9 @@ def as_users_have_it(**more: str) -> dict[str, str]:
     return {**kept, **more}
 
 
-def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None) -> float:
+def timed_process(
+    command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None
+) -> float:
     """Return the wall seconds of one process. Raises CalledProcessError where it fails."""
     environment = as_users_have_it() if environment is None else environment
     start = time.perf_counter()
@@ -51,7 +53,9 @@ def timed_process(command: Sequence[str], folder: Path, environment: Mapping[str
 def imported_by(arguments: Sequence[str], folder: Path) -> tuple[str, ...]:
     """Return the modules that a `rig` command has imported. Raises CalledProcessError."""
     command = [sys.executable, "-c", LISTED, *arguments]
-    done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True, env=as_users_have_it())
+    done = subprocess.run(
+        command, cwd=folder, check=True, capture_output=True, text=True, env=as_users_have_it()
+    )
     return tuple(done.stderr.rpartition("imported")[2].split())
 
 
@@ -77,7 +81,11 @@ def weighed(command: Sequence[str], folder: Path) -> tuple[float, float]:
     """
     own = largest = 0.0
     with subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=as_users_have_it()
+        command,
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=as_users_have_it(),
     ) as process:
         while process.poll() is None:
             own = max(own, _peak(process.pid))
@@ -101,6 +109,8 @@ def _peak(pid: int) -> float:
 def _children(pid: int) -> tuple[int, ...]:
     """Return the processes started by a process's first thread."""
     try:
-        return tuple(map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()))
+        return tuple(
+            map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split())
+        )
     except (FileNotFoundError, ProcessLookupError):
         return ()

@@ -37,7 +37,14 @@ def page() -> str:
     held = sum(outcome(case.name).held for case in CASES)
     lines = [HEAD + f"{held} of {len(CASES)} cases held."]
     for title, cases in GROUPS:
-        lines += ["", f"## {title}", "", _line(COLUMNS), _line(["---"] * len(COLUMNS)), *map(_row, cases)]
+        lines += [
+            "",
+            f"## {title}",
+            "",
+            _line(COLUMNS),
+            _line(["---"] * len(COLUMNS)),
+            *map(_row, cases),
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -90,7 +97,9 @@ def _line(cells: tuple[str, ...] | list[str]) -> str:
 def main() -> None:
     """Write the page, or compare it; exit 1 where a case did not hold or the page differs."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="compare docs/stability.md with what would be written")
+    parser.add_argument(
+        "--check", action="store_true", help="compare docs/stability.md with what would be written"
+    )
     check = parser.parse_args().check
     made = page()
     broken = [case.name for case in CASES if not outcome(case.name).held]

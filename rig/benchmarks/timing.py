@@ -21,7 +21,9 @@ add time.
 MOST_CALLS = 1000
 
 
-def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, least: float = LEAST) -> dict[str, list[float]]:
+def interleaved(
+    calls: Mapping[str, Callable[[], object]], rounds: int, least: float = LEAST
+) -> dict[str, list[float]]:
     """Return the seconds per call, one for each round, by name.
 
     Each is called once before, to warm up.
@@ -57,7 +59,12 @@ def _repeats(call: Callable[[], object], least: float) -> int:
 
 def spread(values: list[float]) -> dict[str, Any]:
     """Return median, least, largest and number of some measurements."""
-    return {"median": statistics.median(values), "low": min(values), "high": max(values), "rounds": len(values)}
+    return {
+        "median": statistics.median(values),
+        "low": min(values),
+        "high": max(values),
+        "rounds": len(values),
+    }
 
 
 def ratios(slow: list[float], fast: list[float]) -> dict[str, Any]:
@@ -67,7 +74,9 @@ def ratios(slow: list[float], fast: list[float]) -> dict[str, Any]:
     return spread([a / b for a, b in zip(slow, fast, strict=True)])
 
 
-def against(times: Mapping[str, list[float]], ours: str, rival: str, demand: float) -> dict[str, Any]:
+def against(
+    times: Mapping[str, list[float]], ours: str, rival: str, demand: float
+) -> dict[str, Any]:
     """Return a claim on `interleaved` times, for a row: speed relative to a rival's, and the least
     demanded.
     """

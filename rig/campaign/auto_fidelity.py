@@ -40,7 +40,9 @@ def chosen(
         return choose(condition, rig, asked, _noise(condition, tools, mass), losses)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return {c.id: choice for c, choice in zip(conditions, pool.map(one, conditions), strict=True)}
+        return {
+            c.id: choice for c, choice in zip(conditions, pool.map(one, conditions), strict=True)
+        }
 
 
 def choices_text(choices: Mapping[str, FidelityChoice]) -> str:
@@ -48,7 +50,9 @@ def choices_text(choices: Mapping[str, FidelityChoice]) -> str:
     lines = []
     for name, choice in choices.items():
         rows = f"{choice.rows} rows, " if choice.rows else ""
-        lines.append(f"{name}: {rows}settle {choice.settle} cycles, record {choice.record} cycles\n")
+        lines.append(
+            f"{name}: {rows}settle {choice.settle} cycles, record {choice.record} cycles\n"
+        )
     return "".join(lines)
 
 
@@ -75,7 +79,10 @@ def _moving_mass(condition: Condition, rig: Rig) -> float:
     """Return the mass of box, gauge side and bed, kg."""
     scene, drive = condition.scene, condition.drive
     bed = BEDS[scene.bed](
-        scene, rig, nominal(scene, rig), Sampling(Waveform(drive.frequency, drive.acceleration), 64.0)
+        scene,
+        rig,
+        nominal(scene, rig),
+        Sampling(Waveform(drive.frequency, drive.acceleration), 64.0),
     )
     return box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + bed.mass
 
@@ -92,7 +99,13 @@ def _noise(condition: Condition, tools: Instruments, mass: float) -> Noise:
     omega = 2.0 * math.pi * drive.frequency
     reactive = math.pi / omega**2 * mass * drive.acceleration**2
     noise = noise_at(
-        drive.frequency, mass * drive.acceleration, drive.acceleration, force, acceleration, round(per_cycle), rate
+        drive.frequency,
+        mass * drive.acceleration,
+        drive.acceleration,
+        force,
+        acceleration,
+        round(per_cycle),
+        rate,
     )
     angle = angle_uncertainty(force, acceleration, drive.frequency).U
     return Noise(noise, reactive * angle, math.ceil(DELAY / per_cycle))

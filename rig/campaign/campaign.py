@@ -49,12 +49,15 @@ class Campaign:
     @property
     def rig_time(self) -> float:
         """Total duration of motion of the whole protocol, s."""
-        once = sum(c.acquire.settle / c.drive.frequency + c.drive.swept_time(c.acquire.record) for c in self.conditions)
+        once = sum(
+            c.acquire.settle / c.drive.frequency + c.drive.swept_time(c.acquire.record)
+            for c in self.conditions
+        )
         return once * self.protocol.repeats.n
 
     @property
     def ledger_columns(self) -> tuple[str, ...]:
-        """Columns of the ledgers: those of shaker-coupled drive if any condition has it."""
+        """Columns of the ledgers: those of shaker-shaker-coupled drive if any condition has it."""
         columns = COUPLED_COLUMNS if self.coupled else COLUMNS
         if not self.ablate:
             return columns
@@ -64,13 +67,13 @@ class Campaign:
 
     @property
     def coupled(self) -> bool:
-        """Whether any condition is in shaker-coupled drive."""
-        return any(condition.drive.mode == "coupled" for condition in self.conditions)
+        """Whether any condition is in shaker-shaker-coupled drive."""
+        return any(condition.drive.mode == "shaker" for condition in self.conditions)
 
     @property
     def recorded(self) -> bool:
-        """Whether W_T is also computed on the recorded waveform: in shaker-coupled drive, and for
-        an ablation, which separates causes.
+        """Whether W_T is also computed on the recorded waveform: in shaker-shaker-coupled drive,
+        and for an ablation, which separates causes.
         """
         return self.ablate or self.coupled
 

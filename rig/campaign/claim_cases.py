@@ -55,8 +55,14 @@ def label(path: str, value: Any) -> str:
     if not isinstance(quantity, Quantity) or isinstance(value, str | bool) or value is None:
         return str(value)
     if quantity.dimension == "number":
-        return f"{value:.2f}" if isinstance(value, float) and round(value, 2) == value else f"{value:.6g}"
-    numbers = {unit: f"{value / float(scale):.6g}" for unit, scale in UNITS[quantity.dimension].items()}
+        return (
+            f"{value:.2f}"
+            if isinstance(value, float) and round(value, 2) == value
+            else f"{value:.6g}"
+        )
+    numbers = {
+        unit: f"{value / float(scale):.6g}" for unit, scale in UNITS[quantity.dimension].items()
+    }
     # Of all units the one that needs the fewest digits.
     shortest = min(numbers, key=lambda unit: len(numbers[unit]))
     return f"{numbers[shortest]} {shortest}"
@@ -101,7 +107,9 @@ def _others(claim: Expect, protocol: Protocol) -> list[str]:
     return paths
 
 
-def _cases(claim: Expect, others: Sequence[str], chosen: Iterable[Condition]) -> list[dict[str, Any]]:
+def _cases(
+    claim: Expect, others: Sequence[str], chosen: Iterable[Condition]
+) -> list[dict[str, Any]]:
     """Return the cases of a claim: the chosen conditions grouped by the values of the
     other paths.
     """
@@ -145,7 +153,9 @@ def _distinct(places: Sequence[dict[str, str]]) -> list[dict[str, str]]:
 def _levels(claim: Expect, members: Sequence[Condition]) -> list[dict[str, Any]]:
     """Return the values of a claim that occur, in its order, with the conditions that have them."""
     values = list(dict.fromkeys(_at(condition, claim.path) for condition in members))
-    if claim.kind in ("rise", "fall") and all(isinstance(value, int | float) for value in (*values, *claim.values)):
+    if claim.kind in ("rise", "fall") and all(
+        isinstance(value, int | float) for value in (*values, *claim.values)
+    ):
         first, last = claim.values
         inside = [value for value in values if min(first, last) <= value <= max(first, last)]
         values = sorted(inside, reverse=first > last)

@@ -34,7 +34,9 @@ class Executor(Protocol):
     tests/conformance/test_executors.py tests every implementation against this description.
     """
 
-    def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> AbstractContextManager[Iterator[Any]]:
+    def started(
+        self, compute: Compute, stages: Sequence[Sequence[Task]]
+    ) -> AbstractContextManager[Iterator[Any]]:
         """Start the tasks, in their order; give an iterator of their items, and end all work after
         the block.
 

@@ -44,7 +44,10 @@ class Account:
 
 
 def calibrated(
-    campaign: Campaign, target: float, workers: int, progress: Callable[[int, int], None] = lambda _done, _of: None
+    campaign: Campaign,
+    target: float,
+    workers: int,
+    progress: Callable[[int, int], None] = lambda _done, _of: None,
 ) -> Rig:
     """Return the campaign's rig with `noise` and `air` such that sum W_exp / sum W_T = 1 + target,
     in equal parts.
@@ -56,17 +59,25 @@ def calibrated(
     _check_nulls(campaign)
     accounts = _accounts(campaign, workers, progress)
     there, predicted, noise, air = (
-        sum(getattr(account, name) for account in accounts) for name in ("there", "predicted", "noise", "air")
+        sum(getattr(account, name) for account in accounts)
+        for name in ("there", "predicted", "noise", "air")
     )
     missing = (1.0 + target) * predicted - there
     if not predicted > 0.0 or missing < 0.0:
         raise InputError(
-            Mistake("--target", "", f"{target:g}; W_T sums to {predicted:.4g} J, {there:.4g} J are taken already",
-                    "a protocol that dissipates, and a target that leaves something for the losses")
-        )  # fmt: skip
+            Mistake(
+                "--target",
+                "",
+                f"{target:g}; W_T sums to {predicted:.4g} J, {there:.4g} J are taken already",
+                "a protocol that dissipates, and a target that leaves something for the losses",
+            )
+        )
     coefficients = {"noise": 0.5 * missing / noise, "air": 0.5 * missing / air}
     return rig_with_losses(
-        campaign.rig, coefficients["noise"], coefficients["air"], _provenance(campaign, target, coefficients)
+        campaign.rig,
+        coefficients["noise"],
+        coefficients["air"],
+        _provenance(campaign, target, coefficients),
     )
 
 
@@ -83,26 +94,39 @@ def _check_nulls(campaign: Campaign) -> None:
     """
     tools, rate = campaign.instruments, campaign.lengths[campaign.conditions[0].id].rate
     info = {channel.name: channel for channel in tools.table(rate, FILTER_DELAY)}
-    states = {channel.name: _true_state(state) for channel, state in zip(tools.channels, tools.states, strict=True)}
+    states = {
+        channel.name: _true_state(state)
+        for channel, state in zip(tools.channels, tools.states, strict=True)
+    }
     actual = Actual(TrueInstruments(states["force"], states["acceleration"]), 0.0)
     for frequency in sorted({condition.drive.frequency for condition in campaign.conditions}):
         omega = 2.0 * np.pi * frequency
-        force, acceleration = (actual.response(info[name], omega) for name in ("force", "acceleration"))
+        force, acceleration = (
+            actual.response(info[name], omega) for name in ("force", "acceleration")
+        )
         angle = float(np.angle(force * acceleration.conjugate()))
         U = angle_uncertainty(info["force"], info["acceleration"], frequency).U
         if abs(angle) > U:
             raise InputError(
-                Mistake("", "acquire.sensors", f"a null angle of {1e3 * angle:.3g} mrad at {frequency:g} Hz",
-                        f"within its uncertainty of {1e3 * U:.3g} mrad: calibrate the sensors (another seed) first")
-            )  # fmt: skip
+                Mistake(
+                    "",
+                    "acquire.sensors",
+                    f"a null angle of {1e3 * angle:.3g} mrad at {frequency:g} Hz",
+                    f"within its uncertainty of {1e3 * U:.3g} mrad: calibrate the sensors (another seed) first",
+                )
+            )
 
 
-def _accounts(campaign: Campaign, workers: int, progress: Callable[[int, int], None]) -> Sequence[Account]:
+def _accounts(
+    campaign: Campaign, workers: int, progress: Callable[[int, int], None]
+) -> Sequence[Account]:
     tables = predictions(campaign.conditions, campaign.rig, workers, campaign.averaged)
     with ThreadPoolExecutor(workers) as pool:
         found = []
         try:
-            for account in pool.map(lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs):
+            for account in pool.map(
+                lambda run: _account(campaign, run, tables[run.condition.id][1]), campaign.runs
+            ):
                 found.append(account)
                 progress(len(found), len(campaign.runs))
         except KeyboardInterrupt:
@@ -127,7 +151,9 @@ def _provenance(campaign: Campaign, target: float, found: dict[str, float]) -> d
     values, no explanation.
     """
     cavity = campaign.conditions[0].scene.cavity
-    height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
+    height, width, length = (
+        side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length)
+    )
     omega = 2.0 * np.pi * campaign.conditions[0].drive.frequency
     first = {"noise": sound_of_box(height, width, length, omega), "air": drag_of_box(height, width)}
     return {

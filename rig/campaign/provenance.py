@@ -15,9 +15,16 @@ from daq.strange_text import visible
 
 PACKAGES = ("particle-damper-rig", "numpy", "scipy", "numba", "h5py")
 CHOSEN = (
-    "NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_NUM_THREADS",
-    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_CORETYPE",
-)  # fmt: skip
+    "NPY_DISABLE_CPU_FEATURES",
+    "NPY_ENABLE_CPU_FEATURES",
+    "NUMBA_CPU_NAME",
+    "NUMBA_CPU_FEATURES",
+    "NUMBA_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "OPENBLAS_CORETYPE",
+)
 """Environment variables that select instruction sets and threads."""
 
 
@@ -92,7 +99,11 @@ def commit() -> str:
         return ""
     try:
         found = subprocess.run(
-            ("git", "-C", str(tree), "rev-parse", "HEAD"), capture_output=True, text=True, timeout=5, check=False
+            ("git", "-C", str(tree), "rev-parse", "HEAD"),
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=False,
         )
     except (OSError, subprocess.TimeoutExpired):
         return ""

@@ -99,7 +99,9 @@ def recorded(record: Record, speed: float | None) -> Iterator[Part]:
         yield from recorded_run(record, info, speed, truth)
 
 
-def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: SessionTruth | None) -> Iterator[Part]:
+def recorded_run(
+    record: Record, info: RunInfo, speed: float | None, truth: SessionTruth | None
+) -> Iterator[Part]:
     """Yield the parts of one run, each with its part of the ledger; without ledger if no truth is
     given.
     """
@@ -112,6 +114,14 @@ def recorded_run(record: Record, info: RunInfo, speed: float | None, truth: Sess
         rows = NO_LEDGER
         if truth is not None:
             # The ledger has cycles, not samples: spread evenly over the blocks.
-            rows = truth.ledger(info.name, number * cycles // count, (number + 1) * cycles // count)[1]
-        part = Part(info.name, block, rows, record.scalars(info.name) if last else None, info.flags if last else 0)
+            rows = truth.ledger(
+                info.name, number * cycles // count, (number + 1) * cycles // count
+            )[1]
+        part = Part(
+            info.name,
+            block,
+            rows,
+            record.scalars(info.name) if last else None,
+            info.flags if last else 0,
+        )
         yield part.ended(pacer.punctuality)

@@ -38,7 +38,14 @@ def campaign_of(protocol: Protocol, rig: Rig, text: str = "") -> Campaign:
     sizes = {c.id: lengths(c, tools.analyzer, FILTER_DELAY) for c in conditions}
     # Ranges of the final scenes.
     tools = auto_ranged(tools, conditions, rig, rates)
-    tools_with_error = with_instrument_error(tools, protocol.mistake)
+    tools_with_error = with_instrument_error(tools, protocol.deliberate_error)
     return Campaign(
-        protocol, text, rig, conditions, runs(protocol, conditions), sizes, tools_with_error, choices=choices
+        protocol,
+        text,
+        rig,
+        conditions,
+        runs(protocol, conditions),
+        sizes,
+        tools_with_error,
+        choices=choices,
     )

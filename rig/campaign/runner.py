@@ -48,7 +48,9 @@ class ToPredict:
         return self.condition.id
 
 
-def computed(campaign: Campaign, speed: float | None, task: ToPredict | Run) -> Iterator[Forecast | Part]:
+def computed(
+    campaign: Campaign, speed: float | None, task: ToPredict | Run
+) -> Iterator[Forecast | Part]:
     """Compute a task: the forecast of a condition, or the parts of a run.
 
     speed : rig seconds per wall second (None: as fast as possible)
@@ -88,7 +90,9 @@ def run(
     path = out / "session.h5"
     resume = resume and path.exists()
     finished = _finished(campaign, path) if resume else set()
-    waiting = sorted((run for run in campaign.runs if run.name not in finished), key=lambda run: run.order)
+    waiting = sorted(
+        (run for run in campaign.runs if run.name not in finished), key=lambda run: run.order
+    )
     to_predict = [] if resume else [ToPredict(condition) for condition in campaign.conditions]
     executor = executor or Processes(workers if speed is None else 1)
     with executor.started(partial(computed, campaign, speed), (to_predict, waiting)) as items:

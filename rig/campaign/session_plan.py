@@ -31,14 +31,18 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
     """
     tools, protocol, created = campaign.instruments, campaign.protocol, now()
     facts = [
-        condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate) for c in campaign.conditions
+        condition_facts(c, campaign.rig, found[c.id].point, campaign.lengths[c.id].rate)
+        for c in campaign.conditions
     ]
-    facts = [{**fact, "varied": varied(protocol, c)} for fact, c in zip(facts, campaign.conditions, strict=True)]
+    facts = [
+        {**fact, "varied": varied(protocol, c)}
+        for fact, c in zip(facts, campaign.conditions, strict=True)
+    ]
     rate = campaign.lengths[campaign.conditions[0].id].rate
-    if protocol.mistake.kind is not None:
+    if protocol.deliberate_error.kind is not None:
         rates = [campaign.lengths[c.id].rate for c in campaign.conditions]
         facts = [
-            {**fact, "mistake": error_facts(protocol.mistake, campaign.rig, own)}
+            {**fact, "deliberate_error": error_facts(protocol.deliberate_error, campaign.rig, own)}
             for fact, own in zip(facts, rates, strict=True)
         ]
     return SessionPlan(
@@ -47,33 +51,54 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
         runs=tuple(_run_plan(campaign, run, created) for run in campaign.runs),
         conditions=tuple(facts),
         protocol_text=campaign.text,
-        protocol={"name": protocol.name, "question": protocol.question, **identity(campaign)["protocol"],
-                  "expect": cases(protocol, campaign.conditions)},
+        protocol={
+            "name": protocol.name,
+            "question": protocol.question,
+            **identity(campaign)["protocol"],
+            "expect": cases(protocol, campaign.conditions),
+        },
         documents={
             "prediction": prediction_document(
-                {c.id: (found[c.id].point, found[c.id].table) for c in campaign.conditions if has_level(c)},
+                {
+                    c.id: (found[c.id].point, found[c.id].table)
+                    for c in campaign.conditions
+                    if has_level(c)
+                },
                 {name: one.refills for name, one in found.items()},
             ),
-            "rig": {"name": campaign.rig.name, **identity(campaign)["rig"],
-                    "provenance": dict(campaign.rig.provenance),
-                    "values": [*(asdict(value) for value in campaign.rig.values),
-                               *assumed_settings(campaign.conditions)]},
+            "rig": {
+                "name": campaign.rig.name,
+                **identity(campaign)["rig"],
+                "provenance": dict(campaign.rig.provenance),
+                "values": [
+                    *(asdict(value) for value in campaign.rig.values),
+                    *assumed_settings(campaign.conditions),
+                ],
+            },
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),
             "exciter": exciter_facts(campaign.rig.exciter),
-            **({"fidelity": choices_document(campaign.choices, protocol.repeats.n)} if campaign.choices else {}),
+            **(
+                {"fidelity": choices_document(campaign.choices, protocol.repeats.n)}
+                if campaign.choices
+                else {}
+            ),
         },
         truth_documents={
-            "instruments": {c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)},
+            "instruments": {
+                c.name: asdict(s) for c, s in zip(tools.channels, tools.states, strict=True)
+            },
             "clock": {"error": tools.clock_error},
             "exciter": exciter_facts(tools.exciter),
         },
         ledger_columns=campaign.ledger_columns,
         ledger_cycles=max(c.acquire.settle + c.acquire.record for c in campaign.conditions),
         scalars=(
-            *SCALARS, *(LEVEL_SCALARS if campaign.coupled else ()), *(TRIGGER_SCALARS if campaign.triggered else ()),
+            *SCALARS,
+            *(LEVEL_SCALARS if campaign.coupled else ()),
+            *(TRIGGER_SCALARS if campaign.triggered else ()),
             *(RECORDED_SCALARS if campaign.recorded else ()),
         ),
-    )  # fmt: skip
+    )
 
 
 def exciter_facts(exciter: Exciter) -> dict[str, float | str]:
@@ -90,7 +115,11 @@ def identity(campaign: Campaign) -> dict[str, dict[str, str | bool]]:
     """
     choices = {"fidelity": choices_text(campaign.choices)} if campaign.choices else {}
     return {
-        "protocol": {"resolved": dump_protocol(campaign.protocol), "ablate": campaign.ablate, **choices},
+        "protocol": {
+            "resolved": dump_protocol(campaign.protocol),
+            "ablate": campaign.ablate,
+            **choices,
+        },
         "rig": {"resolved": dump_rig(campaign.rig)},
     }
 

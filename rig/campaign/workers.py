@@ -43,7 +43,9 @@ class Processes:
         self._count = count
 
     @contextmanager
-    def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> Iterator[Iterator[Any]]:
+    def started(
+        self, compute: Compute, stages: Sequence[Sequence[Task]]
+    ) -> Iterator[Iterator[Any]]:
         """Start the workers, as described in `Executor`.
 
         To be called before a session file is opened: a forked worker shares all open files.
@@ -55,7 +57,9 @@ class Processes:
         if count > 1:
             for stage in stages:
                 if stage:
-                    next(compute(stage[0]))  # loads the compiled kernels once, for all forked workers
+                    next(
+                        compute(stage[0])
+                    )  # loads the compiled kernels once, for all forked workers
         with killed_at_the_end() as (processes, pipes):
             for _ in range(count):
                 here, there = context.Pipe()
@@ -63,7 +67,9 @@ class Processes:
                 # A forked worker inherits the near ends of all pipes made so far. It closes them;
                 # otherwise those workers would never notice the end of this process.
                 inherited = tuple(pipes) if fork else ()
-                process = context.Process(target=_work, args=(compute, tasks, there, inherited), daemon=True)
+                process = context.Process(
+                    target=_work, args=(compute, tasks, there, inherited), daemon=True
+                )
                 process.start()
                 processes.append(process)
                 there.close()  # held by the worker alone: its death closes the pipe
@@ -75,7 +81,9 @@ class Processes:
 class _Hands:
     """Distributes tasks by their number, stage by stage, and collects the results."""
 
-    def __init__(self, tasks: Sequence[Task], sizes: Sequence[int], pipes: Sequence[Connection]) -> None:
+    def __init__(
+        self, tasks: Sequence[Task], sizes: Sequence[int], pipes: Sequence[Connection]
+    ) -> None:
         ends = list(accumulate(sizes))
         self._tasks = tasks
         self._stages = deque(range(end - size, end) for end, size in zip(ends, sizes, strict=True))
@@ -89,7 +97,9 @@ class _Hands:
         """
         while self._stages and not (self._left or any(self._given.values())):
             self._left.extend(self._stages.popleft())
-            beforehand = min(BEFOREHAND, len(self._left) // (2 * len(self._given))) if self._given else 0
+            beforehand = (
+                min(BEFOREHAND, len(self._left) // (2 * len(self._given))) if self._given else 0
+            )
             for depth in range(1, max(beforehand, 1) + 1):
                 self._give(depth)
 
@@ -166,11 +176,15 @@ def _ended(names: Sequence[str]) -> str:
     )
 
 
-def _work(compute: Compute, tasks: Sequence[Task], pipe: Connection, inherited: Sequence[Connection]) -> None:
+def _work(
+    compute: Compute, tasks: Sequence[Task], pipe: Connection, inherited: Sequence[Connection]
+) -> None:
     """Run as one worker: compute the requested tasks until the pipe closes or the process is
     killed.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt from the keyboard is the other side's to handle
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # an interrupt from the keyboard is the other side's to handle
     for end in inherited:
         end.close()
     asked: queue.SimpleQueue[tuple[int, int]] = queue.SimpleQueue()

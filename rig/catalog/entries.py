@@ -87,7 +87,7 @@ class Rig:
     m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the
     mount: friction of guides, natural frequency in Hz and loss factor of cords; relative level
     error and third harmonic of the waveform; relative scatter per refill of the packing and of the
-    free play; analyzer range of each channel in V (keys of `RANGES`); `provenance` of the losses as
+    clearance; analyzer range of each channel in V (keys of `RANGES`); `provenance` of the losses as
     `rig calibrate` wrote it; `values` lists every number's origin.
     """
 
@@ -111,7 +111,7 @@ class Rig:
     level_error: Fraction = 0.003
     third_harmonic: Fraction = 0.003
     refill_packing: Fraction = 0.01
-    refill_play: Fraction = 0.10
+    refill_clearance: Fraction = 0.10
     ranges: Mapping[str, float] = field(default_factory=lambda: dict(RANGES), hash=False)
     provenance: Mapping[str, Any] = field(default_factory=dict, hash=False)
     values: tuple[CatalogValue, ...] = ()

@@ -77,14 +77,20 @@ def transducer(
     measures = entry.words["quantity"]
     if quantity not in (None, measures):
         fit = ", ".join([IDEAL, *sensors_for(str(quantity))])
-        raise InputError(Mistake("", "", f"the transducer {quote(name)}, which measures {measures}", fit))
+        raise InputError(
+            Mistake("", "", f"the transducer {quote(name)}, which measures {measures}", fit)
+        )
     kind: Any = measures
-    return TransducerSpec(name, kind, _SENSOR_UNITS[measures], statuses=entry.statuses(), **entry.numbers())
+    return TransducerSpec(
+        name, kind, _SENSOR_UNITS[measures], statuses=entry.statuses(), **entry.numbers()
+    )
 
 
 def sensors_for(quantity: str) -> list[str]:
     """Return the names of the transducers that measure a quantity."""
-    return [name for name, entry in shelf("transducer").items() if entry.words["quantity"] == quantity]
+    return [
+        name for name, entry in shelf("transducer").items() if entry.words["quantity"] == quantity
+    ]
 
 
 def analyzer(name: str) -> AnalyzerSpec:
@@ -109,7 +115,9 @@ def entry_of(kind: str, name: str) -> Entry:
     entries = shelf(kind)
     if name not in entries:
         known = [*entries, IDEAL] if kind in ("transducer", "analyzer") else list(entries)
-        raise InputError(Mistake("", "", f"the {kind} {quote(name)}", ", ".join(known), nearest(name, known)))
+        raise InputError(
+            Mistake("", "", f"the {kind} {quote(name)}", ", ".join(known), nearest(name, known))
+        )
     return entries[name]
 
 
@@ -122,7 +130,9 @@ def shelf(kind: str) -> dict[str, Entry]:
     path = HERE / f"{kind}s.yaml"
     notes = Notes()
     root = read_yaml(read_file(path), path.name, notes.mistakes)
-    document = Keys({"schema": Text((SCHEMA,))}, groups={NAME: Then(_shape(kind), _entry)}, closed=True)
+    document = Keys(
+        {"schema": Text((SCHEMA,))}, groups={NAME: Then(_shape(kind), _entry)}, closed=True
+    )
     found: dict[str, Any] = read_document(document, root, notes)
     return {name: entry for name, entry in found.items() if name != "schema"}
 
@@ -130,13 +140,19 @@ def shelf(kind: str) -> dict[str, Entry]:
 def _entry(parts: dict[str, Any], _node: Node, path: str, _notes: Notes) -> Entry:
     words = {key: part for key, part in parts.items() if isinstance(part, str)}
     values = (part for part in parts.values() if isinstance(part, CatalogValue))
-    return Entry(words, tuple(replace(value, path=value.path.removeprefix(f"{path}.")) for value in values))
+    return Entry(
+        words, tuple(replace(value, path=value.path.removeprefix(f"{path}.")) for value in values)
+    )
 
 
 def _shape(kind: str) -> Shape:
     if kind == "transducer":
         return Choice("quantity", {quantity: _transducer(quantity) for quantity in _SENSOR_UNITS})
-    fields = {"material": stated_fields(Material), "exciter": stated_fields(Exciter), "analyzer": _ANALYZER}
+    fields = {
+        "material": stated_fields(Material),
+        "exciter": stated_fields(Exciter),
+        "analyzer": _ANALYZER,
+    }
     return Keys({"label": Text(), **fields[kind]}, closed=True)
 
 

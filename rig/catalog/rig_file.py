@@ -23,7 +23,7 @@ from rig.errors import InputError, Mistake, nearest, quote
 from rig.units import Quantity
 
 SCHEMA = "rig/rig/1"
-DEFAULT = "default"
+DEFAULT = "paper"
 RANGES = ("force", "acceleration", "current", "voltage")
 _VOLTS = StatedNumber(Quantity("voltage", 0.0, 1000.0, above=True))
 _PRESET = "preset"
@@ -76,7 +76,9 @@ def rig_with_losses(rig: Rig, noise: float, air: float, provenance: Mapping[str,
             origin = "rig calibrate, see provenance"
             value = replace(value, value=found[value.path], status="computed", source=origin)
         values.append(value)
-    return replace(rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=tuple(values))
+    return replace(
+        rig, loss_noise=noise, loss_air=air, provenance=dict(provenance), values=tuple(values)
+    )
 
 
 def dump_rig(rig: Rig) -> str:
@@ -92,7 +94,11 @@ def dump_rig(rig: Rig) -> str:
     preset = rig.exciter.name in names("exciter") and _preset_values(rig.exciter.name) == {
         path: origins[path] for path in origins if path.startswith("exciter.")
     }
-    data: dict[str, Any] = {"schema": SCHEMA, "name": rig.name, "exciter": rig.exciter.name if preset else parts}
+    data: dict[str, Any] = {
+        "schema": SCHEMA,
+        "name": rig.name,
+        "exciter": rig.exciter.name if preset else parts,
+    }
     data |= {path: stated("", rig, path) for path in stated_fields(Rig)}
     data["ranges"] = {path: stated("ranges.", rig.ranges, path) for path in RANGES}
     data["provenance"] = dict(rig.provenance)
@@ -100,7 +106,9 @@ def dump_rig(rig: Rig) -> str:
 
 
 def rig_shape(base: Rig | None) -> Then:
-    """The shape of a rig file: every number with its origin, the exciter by name or with values of its own."""
+    """The shape of a rig file: every number with its origin, the exciter by name or with values of
+    its own.
+    """
     preset = one_of(*names("exciter"))
     own = Keys({_PRESET: preset}, stated_fields(Exciter), closed=True)
     return Then(
@@ -127,8 +135,14 @@ def _rig(parts: Mapping[str, Any], base: Rig | None) -> Rig:
     if "exciter" in parts or base is None:
         own = exciter if isinstance(exciter, dict) else {_PRESET: exciter}
         exciter = own[_PRESET]
-        values |= _preset_values(exciter) | {value.path: value for key, value in own.items() if key != _PRESET}
-    stated = [part for part in (*parts.values(), *parts.get("ranges", {}).values()) if isinstance(part, CatalogValue)]
+        values |= _preset_values(exciter) | {
+            value.path: value for key, value in own.items() if key != _PRESET
+        }
+    stated = [
+        part
+        for part in (*parts.values(), *parts.get("ranges", {}).values())
+        if isinstance(part, CatalogValue)
+    ]
     values |= {value.path: value for value in stated}
     order = [*stated_fields(Rig), *(f"ranges.{key}" for key in RANGES), *_EXCITER]
     provenance = base.provenance if base else {}
@@ -148,12 +162,18 @@ def _rig(parts: Mapping[str, Any], base: Rig | None) -> Rig:
 def _preset_values(name: str) -> dict[str, CatalogValue]:
     """Return the stated values of a catalog exciter, by their paths in a rig file."""
     stated = entry_of("exciter", name).values
-    return {f"exciter.{value.path}": replace(value, path=f"exciter.{value.path}") for value in stated}
+    return {
+        f"exciter.{value.path}": replace(value, path=f"exciter.{value.path}") for value in stated
+    }
 
 
-def _check_packing(base: Rig | None, parts: dict[str, Any], _node: Node, _path: str, notes: Notes) -> dict[str, Any]:
+def _check_packing(
+    base: Rig | None, parts: dict[str, Any], _node: Node, _path: str, notes: Notes
+) -> dict[str, Any]:
     own = [key for key in _PACKING if key in parts]
-    loose, shaken = (parts[key].value if key in parts else getattr(base, key, None) for key in _PACKING)
+    loose, shaken = (
+        parts[key].value if key in parts else getattr(base, key, None) for key in _PACKING
+    )
     if own and isinstance(loose, float) and isinstance(shaken, float) and loose > shaken:
         allowed = f"at most packing_shaken, {shaken:g}: shaking makes a bed denser"
         notes.reject(notes.place_of(own[0]), _PACKING[0], f"{loose:g}", allowed)

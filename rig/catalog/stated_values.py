@@ -14,13 +14,15 @@ from rig.catalog.entries import STATUSES, CatalogValue
 from rig.units import UNITS, Quantity, unit_of
 
 _WORD = Text(as_written=True)
-_STATED = Keys({"value": Anything(), "status": Text(STATUSES)}, {"unit": _WORD, "source": _WORD}, closed=True)
+_STATED = Keys(
+    {"value": Anything(), "status": Text(STATUSES)}, {"unit": _WORD, "source": _WORD}, closed=True
+)
 
 
 @dataclass(frozen=True)
 class StatedNumber:
-    """A number with its origin, or with `many` a list of them; read into a CatalogValue in SI, null allowed where the
-    quantity's is."""
+    """A number with its origin, or with `many` a list of them; read into a CatalogValue in SI, null
+    allowed where the quantity's is."""
 
     quantity: Quantity
     many: bool = False
@@ -30,7 +32,11 @@ class StatedNumber:
 
     def read(self, node: Node, path: str, notes: Notes) -> CatalogValue:
         """The stated value; a plain one is taken as assumed."""
-        parts: dict[str, Any] = {"value": node, "status": "assumed", "source": "given in the rig file"}
+        parts: dict[str, Any] = {
+            "value": node,
+            "status": "assumed",
+            "source": "given in the rig file",
+        }
         if isinstance(node.value, dict):
             parts = {"source": "", **_STATED.read(node, path, notes)}
             if notes.spoilt(path):
@@ -40,9 +46,15 @@ class StatedNumber:
             units = Text(tuple(unit for unit in UNITS[self.quantity.dimension] if unit))
             place = node.value["unit"] if isinstance(node.value, dict) else node
             value = _with_unit(value, units.read(place, f"{path}.unit", notes))
-        shape: Shape = List(self.quantity, least=1, what=f"numbers, {self.quantity}") if self.many else self.quantity
+        shape: Shape = (
+            List(self.quantity, least=1, what=f"numbers, {self.quantity}")
+            if self.many
+            else self.quantity
+        )
         number: Any = shape.read(value, path, notes)
-        return CatalogValue(path, number, unit_of(self.quantity.dimension), parts["status"], parts["source"])
+        return CatalogValue(
+            path, number, unit_of(self.quantity.dimension), parts["status"], parts["source"]
+        )
 
     def schema(self, kinds: dict[str, Any]) -> dict[str, Any]:
         """The number alone, or the mapping."""
@@ -52,7 +64,11 @@ class StatedNumber:
 
 def stated_fields(kind: type) -> dict[str, StatedNumber]:
     """The number fields of a catalog dataclass."""
-    return {name: StatedNumber(shape) for name, shape in keys_of(kind).every().items() if isinstance(shape, Quantity)}
+    return {
+        name: StatedNumber(shape)
+        for name, shape in keys_of(kind).every().items()
+        if isinstance(shape, Quantity)
+    }
 
 
 def write_stated(value: CatalogValue) -> dict[str, Any]:

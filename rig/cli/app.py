@@ -35,7 +35,10 @@ def _version(asked: bool) -> None:
 @app.callback()
 def options(
     version: Annotated[
-        bool, typer.Option("--version", is_eager=True, callback=_version, help="Print the version and exit.")
+        bool,
+        typer.Option(
+            "--version", is_eager=True, callback=_version, help="Print the version and exit."
+        ),
     ] = False,
 ) -> None:
     """Virtual test rig for particle dampers: run a protocol, read the records, compare with the
@@ -43,36 +46,57 @@ def options(
     """
 
 
-ProtocolFile = Annotated[str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML) or shipped name.")]
+ProtocolFile = Annotated[
+    str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML) or shipped name.")
+]
 Sets = Annotated[
-    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked.")
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked."),
 ]
 Varies = Annotated[
     list[str] | None,
-    typer.Option("--vary", metavar="PATH=LIST", help="Replace or add one axis, e.g. scene.grains.fill=[0.5,0.9]."),
+    typer.Option(
+        "--vary",
+        metavar="PATH=LIST",
+        help="Replace or add one axis, e.g. scene.grains.fill=[0.5,0.9].",
+    ),
 ]
 Seed = Annotated[int | None, typer.Option(help="Session seed instead of the protocol's.")]
-RigFile = Annotated[str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")]
+RigFile = Annotated[
+    str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print results as JSON and nothing else.")]
 Strict = Annotated[
-    bool, typer.Option("--strict", help="A rating exceeded (fundamental) is an error before anything runs.")
+    bool,
+    typer.Option(
+        "--strict", help="A rating exceeded (fundamental) is an error before anything runs."
+    ),
 ]
 
 
 @app.command()
 def run(
     protocol: ProtocolFile,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder; default sessions/NAME.")] = None,
-    workers: Annotated[int | None, typer.Option(min=1, max=256, help="Threads; results do not depend on it.")] = None,
-    speed: Annotated[str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")] = "max",
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted session.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder; default sessions/NAME.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=256, help="Threads; results do not depend on it.")
+    ] = None,
+    speed: Annotated[
+        str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")
+    ] = "max",
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an interrupted session.")
+    ] = False,
     seed: Seed = None,
     rig: RigFile = None,
     strict: Strict = False,
     ablate: Annotated[
         bool,
         typer.Option(
-            "--ablate", help="Simulate each bed a second time in the exact waveform: `waveform` in the offset."
+            "--ablate",
+            help="Simulate each bed a second time in the exact waveform: `waveform` in the offset.",
         ),
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
@@ -89,7 +113,9 @@ def run(
     campaign = _campaign(protocol, set_, vary, seed, rig)
     folder = out if out is not None else Path("sessions") / campaign.protocol.name
     campaign = replace(campaign, ablate=ablate)
-    raise typer.Exit(run_protocol(campaign, folder, workers, _speed(speed), resume, force, strict, json))
+    raise typer.Exit(
+        run_protocol(campaign, folder, workers, _speed(speed), resume, force, strict, json)
+    )
 
 
 @app.command()
@@ -110,12 +136,20 @@ def check(
 
 @app.command()
 def model(
-    protocol: Annotated[str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file or name.")] = None,
-    rig: RigFile = None, set_: Sets = None, vary: Varies = None,
-    study: Annotated[str | None, typer.Option(metavar="NAME", help="friction, collision or errata, in place.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a study; default studies/NAME.")] = None,
+    protocol: Annotated[
+        str | None, typer.Argument(metavar="[PROTOCOL]", help="Protocol file or name.")
+    ] = None,
+    rig: RigFile = None,
+    set_: Sets = None,
+    vary: Varies = None,
+    study: Annotated[
+        str | None, typer.Option(metavar="NAME", help="friction, collision or errata, in place.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of a study; default studies/NAME.")
+    ] = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
 
     With --study: the paper's Figs. 5 to 8, or its errata with their numbers, as figures, CSV and a
@@ -136,9 +170,12 @@ def model(
 @app.command()
 def replay(
     session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
-    speed: Annotated[str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")] = "max",
+    speed: Annotated[
+        str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")
+    ] = "max",
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write a second session and its report there.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Write a second session and its report there."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
     json: Json = False,
@@ -157,20 +194,30 @@ def replay(
 
 @app.command()
 def report(
-    session: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")],
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Report folder; default: the session's.")] = None,
+    session: Annotated[
+        list[Path], typer.Argument(metavar="SESSION...", help="Session files or their folders.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Report folder; default: the session's.")
+    ] = None,
     tolerate_gaps: Annotated[
-        bool, typer.Option("--tolerate-gaps", help="Read the whole cycles beside a gap; never across one.")
+        bool,
+        typer.Option(
+            "--tolerate-gaps", help="Read the whole cycles beside a gap; never across one."
+        ),
     ] = False,
     png: Annotated[bool, typer.Option("--png", help="Write the figures as PNG files too.")] = False,
     same_instruments: Annotated[
-        bool, typer.Option("--same-instruments", help="Two sessions: recorded with the same transducers.")
+        bool,
+        typer.Option(
+            "--same-instruments", help="Two sessions: recorded with the same transducers."
+        ),
     ] = False,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Analyse a recorded session again, from the record alone; of two sessions, compare them.
 
-    Example: rig report sessions/fill_rate sessions/coupled_fill --out compared
+    Example: rig report sessions/fill_rate sessions/shaker_fill --out compared
     """
     from rig.cli.terminal.watch import go_on_watched
 
@@ -187,7 +234,10 @@ def info(
     session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
     validate: Annotated[
         bool,
-        typer.Option("--validate", help="List every deviation from the session format; exit 1 where there is one."),
+        typer.Option(
+            "--validate",
+            help="List every deviation from the session format; exit 1 where there is one.",
+        ),
     ] = False,
     json: Json = False,
 ) -> None:
@@ -209,10 +259,18 @@ def info(
 def export_(
     session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
     to: Annotated[str, typer.Option(metavar="FORMAT", help="uff58, csv, sep005-npz or mat.")],
-    run: Annotated[str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="PATH", help="Folder; with --run the file.")] = None,
-    raw: Annotated[bool, typer.Option("--raw", help="As recorded: poles and delays are left in.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are no exports.")] = False,
+    run: Annotated[
+        str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="Folder; with --run the file.")
+    ] = None,
+    raw: Annotated[
+        bool, typer.Option("--raw", help="As recorded: poles and delays are left in.")
+    ] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace files that are no exports.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Write records for other tools: UFF58 (types 1 and 4), CSV, SEP-005, MATLAB.
@@ -233,9 +291,14 @@ def export_(
 
 @app.command("import")
 def import_(
-    file: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records, one run each, or their folder.")],
+    file: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="Records, one run each, or their folder."),
+    ],
     map_: Annotated[Path, typer.Option("--map", metavar="MAP.yaml", help="What the columns mean.")],
-    out: Annotated[Path, typer.Option(metavar="SESSION", help="Session file (.h5), or a folder for it.")],
+    out: Annotated[
+        Path, typer.Option(metavar="SESSION", help="Session file (.h5), or a folder for it.")
+    ],
     force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
     json: Json = False,
 ) -> None:
@@ -256,11 +319,17 @@ def import_(
 @app.command()
 def calibrate(
     protocol: ProtocolFile,
-    target: Annotated[float, typer.Option(help="Offset of the energy-weighted ratio that the losses shall cause.")],
+    target: Annotated[
+        float, typer.Option(help="Offset of the energy-weighted ratio that the losses shall cause.")
+    ],
     out: Annotated[Path, typer.Option(metavar="RIG.yaml", help="Rig file to write.")],
-    seed: Seed = None, rig: RigFile = None, set_: Sets = None, vary: Varies = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False, json: Json = False,
-) -> None:  # fmt: skip
+    seed: Seed = None,
+    rig: RigFile = None,
+    set_: Sets = None,
+    vary: Varies = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    json: Json = False,
+) -> None:
     """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological
     sense).
 
@@ -273,11 +342,16 @@ def calibrate(
 
 @app.command()
 def bench(
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer problems, settings, rounds: under a minute.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer problems, settings, rounds: under a minute.")
+    ] = False,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder for bench.jsonl, performance.md and figures.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder for bench.jsonl, performance.md and figures."),
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON lines and nothing else.")] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the rows as JSON lines and nothing else.")
+    ] = False,
 ) -> None:
     """Speed against error: our integrators beside others, the parts of the rig, how cost grows.
 
@@ -290,7 +364,9 @@ def bench(
 
 @app.command()
 def init(
-    path: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write.")] = Path("protocol.yaml"),
+    path: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write.")] = Path(
+        "protocol.yaml"
+    ),
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a commented protocol to start from.
@@ -307,7 +383,10 @@ def init(
 
 @app.command()
 def catalog(
-    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="material, exciter, transducer, analyzer or rig.")] = "",
+    kind: Annotated[
+        str,
+        typer.Argument(metavar="[KIND]", help="material, exciter, transducer, analyzer or rig."),
+    ] = "",
     json: Json = False,
 ) -> None:
     """List materials, exciters, transducers, analyzers and rigs, every value with its status and
@@ -322,8 +401,12 @@ def catalog(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(metavar="[KIND]", help="protocol, report, comparison or map.")] = "protocol",
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")] = None,
+    kind: Annotated[
+        str, typer.Argument(metavar="[KIND]", help="protocol, report, comparison or map.")
+    ] = "protocol",
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Print a JSON Schema for editors (protocol, map of an import) or for readers of report.json

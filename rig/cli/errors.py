@@ -43,7 +43,11 @@ class Commands(TyperGroup):
         except InputError as error:
             sys.exit(fail(str(error), BAD_INPUT))
         except KeyboardInterrupt:
-            kept = "; what was recorded is kept, rig run --resume goes on" if ctx.invoked_subcommand == "run" else ""
+            kept = (
+                "; what was recorded is kept, rig run --resume goes on"
+                if ctx.invoked_subcommand == "run"
+                else ""
+            )
             sys.exit(fail(f"interrupted{kept}", INTERRUPTED))
         except UsageError as error:
             error.message = visible(error.message)
@@ -83,7 +87,9 @@ def _known(error: Exception) -> int | None:
 
 def _sentence(error: Exception) -> str:
     """Return an error's message in one line."""
-    if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):
+    if isinstance(error, MemoryError) or (
+        isinstance(error, OSError) and error.errno == errno.ENOMEM
+    ):
         limit = memory_limit()
         told = "" if limit is None else f": this process may use {limit / 1e6:.0f} MB (ulimit -v)"
         return f"out of memory{told}"
@@ -126,7 +132,10 @@ def with_whole_output(call: Callable[[], object]) -> None:
     except SystemExit as ended:
         code = ended.code
     except OSError as error:  # while help or a usage error was printed
-        code = fail(_sentence(error), BAD_INPUT if isinstance(error.__context__, UsageError) else INTERRUPTED)
+        code = fail(
+            _sentence(error),
+            BAD_INPUT if isinstance(error.__context__, UsageError) else INTERRUPTED,
+        )
     lost = _flush(sys.stdout)
     if lost is not None and lost.errno != errno.EPIPE:
         code = fail(f"the output cannot be written ({lost.strerror})", INTERRUPTED)

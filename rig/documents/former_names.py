@@ -1,4 +1,6 @@
-"""Names of the first edition, and what they are called now: an old name is an error that tells the new one."""
+"""Names of the first edition, and what they are called now: an old name is an error that tells the
+new one.
+"""
 
 from collections.abc import Mapping
 

@@ -1,7 +1,9 @@
-"""YAML text to a tree of plain values that know their place. Bounded: nothing executes, nothing explodes.
+"""YAML text to a tree of plain values that know their place. Bounded: nothing executes, nothing
+explodes.
 
-Only what every YAML reader agrees on is taken: mappings with word keys, lists, text, integers, decimals, true, false
-and null (YAML 1.2 core schema). Tags, several documents, repeated keys and sizes beyond the bounds are mistakes.
+Only what every YAML reader agrees on is taken: mappings with word keys, lists, text, integers,
+decimals, true, false and null (YAML 1.2 core schema). Tags, several documents, repeated keys and
+sizes beyond the bounds are mistakes.
 """
 
 from __future__ import annotations
@@ -32,8 +34,9 @@ _WORDS: dict[str, Scalar] = {
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
 _LOADERS: tuple[Any, ...] = (getattr(yaml, "CSafeLoader", yaml.SafeLoader), yaml.SafeLoader)
-"""Parsers in turn. The first is fast, where it is built in, and has limits of its own, others in each version; what it
-refuses is read by the second, which has none, so that bounds and words are the same everywhere."""
+"""Parsers in turn. The first is fast, where it is built in, and has limits of its own, others in
+each version; what it refuses is read by the second, which has none, so that bounds and words are
+the same everywhere."""
 
 
 def read_file(path: Path) -> str:
@@ -45,25 +48,31 @@ def read_file(path: Path) -> str:
         found = (getattr(error, "strerror", None) or "an impossible path").lower()
         raise InputError(Mistake(str(path), "", found, "a readable file")) from error
     if len(data) > MAX_BYTES:
-        raise InputError(Mistake(str(path), "", "a file of more than 1 MiB", "at most 1 MiB of YAML"))
+        raise InputError(
+            Mistake(str(path), "", "a file of more than 1 MiB", "at most 1 MiB of YAML")
+        )
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(Mistake(f"{path}:{line}", "", "bytes that are not UTF-8", "YAML text in UTF-8")) from error
+        raise InputError(
+            Mistake(f"{path}:{line}", "", "bytes that are not UTF-8", "YAML text in UTF-8")
+        ) from error
 
 
 def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
     """The tree of one YAML document; places read `source:line`.
 
-    What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to `mistakes`; what
-    does not raises InputError.
+    What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to
+    `mistakes`; what does not raises InputError.
     """
     return _read(text, source, lambda line: f"{source}:{line + 1}", mistakes)
 
 
 def read_document(shape: Shape, root: Node, notes: Notes) -> Any:
-    """The value of a tree as its shape wants it. Raises InputError with every mistake, in the order of the lines."""
+    """The value of a tree as its shape wants it. Raises InputError with every mistake, in the order
+    of the lines.
+    """
     value = None
     with suppress(Unreadable):
         value = shape.read(root, "", notes)
@@ -73,7 +82,9 @@ def read_document(shape: Shape, root: Node, notes: Notes) -> Any:
 
 
 def read_value(text: str, place: str) -> Node:
-    """The tree of a value given on the command line; every place in it reads `place`. Raises InputError."""
+    """The tree of a value given on the command line; every place in it reads `place`. Raises
+    InputError.
+    """
     mistakes: list[Mistake] = []
     node = _read(text, place, lambda _line: place, mistakes)
     if mistakes:
@@ -97,9 +108,13 @@ def _read(text: str, source: str, place: Callable[[int], str], mistakes: list[Mi
         raise InputError(_syntax_mistake(error, text, source, place)) from error
 
 
-def _syntax_mistake(error: yaml.MarkedYAMLError, text: str, source: str, place: Callable[[int], str]) -> Mistake:
+def _syntax_mistake(
+    error: yaml.MarkedYAMLError, text: str, source: str, place: Callable[[int], str]
+) -> Mistake:
     mark = error.problem_mark or error.context_mark
-    problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix("found ")
+    problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix(
+        "found "
+    )
     if mark is None:
         return Mistake(source, "", problem, "YAML")
     line = "".join(text.splitlines()[mark.line : mark.line + 1])
@@ -118,12 +133,16 @@ class _Builder:
         self.anchors: dict[str, tuple[Node, int]] = {}
 
     def read(self, text: str, source: str, loader: Any) -> Node:
-        """The tree of a text by one parser. Raises InputError, or the parser's own error for a syntax it refuses."""
+        """The tree of a text by one parser. Raises InputError, or the parser's own error for a
+        syntax it refuses.
+        """
         try:
             text.encode("utf-8")
             return self._document(yaml.parse(text, Loader=loader), source)
         except (yaml.reader.ReaderError, UnicodeEncodeError) as error:
-            raise InputError(Mistake(source, "", "characters that are not text", "YAML text in UTF-8")) from error
+            raise InputError(
+                Mistake(source, "", "characters that are not text", "YAML text in UTF-8")
+            ) from error
 
     def _document(self, events: Iterator[Any], source: str) -> Node:
         root: Node | None = None
@@ -142,11 +161,15 @@ class _Builder:
         where = self.place(event.start_mark.line)
         self._count(1, where)
         if depth > MAX_DEPTH:
-            raise InputError(Mistake(where, "", f"more than {MAX_DEPTH} levels", f"at most {MAX_DEPTH} levels"))
+            raise InputError(
+                Mistake(where, "", f"more than {MAX_DEPTH} levels", f"at most {MAX_DEPTH} levels")
+            )
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event, where)
         if event.tag not in (None, "!"):
-            self.mistakes.append(Mistake(where, "", f"the tag {quote(event.tag)}", "plain YAML without tags"))
+            self.mistakes.append(
+                Mistake(where, "", f"the tag {quote(event.tag)}", "plain YAML without tags")
+            )
         before = self.nodes
         if isinstance(event, yaml.MappingStartEvent):
             node = self._mapping(events, where, depth)
@@ -154,7 +177,12 @@ class _Builder:
             node = Node(where, tuple(self._items(events, depth)))
         else:
             plain = event.implicit[0]
-            node = Node(where, scalar(event.value) if plain else event.value, text=event.value, quoted=not plain)
+            node = Node(
+                where,
+                scalar(event.value) if plain else event.value,
+                text=event.value,
+                quoted=not plain,
+            )
         if event.anchor is not None:
             self.anchors[event.anchor] = (node, self.nodes - before)
         return node
@@ -175,10 +203,14 @@ class _Builder:
             key = event.value if isinstance(event, yaml.ScalarEvent) else None
             value = self._node(next(events), events, depth + 1)
             if key is None:
-                self.mistakes.append(Mistake(key_node.where, "", "a key that is not a word", "words as keys"))
+                self.mistakes.append(
+                    Mistake(key_node.where, "", "a key that is not a word", "words as keys")
+                )
             elif key in entries:
                 allowed = f"each key once (it stands at {places[key]} too)"
-                self.mistakes.append(Mistake(key_node.where, "", f"the key {quote(key)} again", allowed))
+                self.mistakes.append(
+                    Mistake(key_node.where, "", f"the key {quote(key)} again", allowed)
+                )
             else:
                 entries[key], places[key] = value, key_node.where
         return Node(where, entries, key_places=places)
@@ -186,14 +218,20 @@ class _Builder:
     def _alias(self, event: Any, where: str) -> Node:
         known = self.anchors.get(event.anchor)
         if known is None:
-            raise InputError(Mistake(where, "", f"the alias *{event.anchor}", "aliases of earlier, complete values"))
+            raise InputError(
+                Mistake(
+                    where, "", f"the alias *{event.anchor}", "aliases of earlier, complete values"
+                )
+            )
         self._count(known[1], where)
         return known[0]
 
     def _count(self, more: int, where: str) -> None:
         self.nodes += more
         if self.nodes > MAX_NODES:
-            raise InputError(Mistake(where, "", f"more than {MAX_NODES} values", f"at most {MAX_NODES} values"))
+            raise InputError(
+                Mistake(where, "", f"more than {MAX_NODES} values", f"at most {MAX_NODES} values")
+            )
 
 
 def scalar(text: str) -> Scalar:

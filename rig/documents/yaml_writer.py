@@ -13,7 +13,9 @@ _PLAIN = re.compile(r"[A-Za-z0-9.](?:[A-Za-z0-9 ./^%+*_-]*[A-Za-z0-9./^%+*_-])?"
 
 
 def write_yaml(data: Mapping[str, Any]) -> str:
-    """Block mappings outside; a mapping or list whose parts are scalars or that fits one line is written in flow."""
+    """Block mappings outside; a mapping or list whose parts are scalars or that fits one line is
+    written in flow.
+    """
     return "".join(f"{line}\n" for line in _block(data, 0))
 
 
@@ -30,7 +32,11 @@ def _block(data: Mapping[str, Any], depth: int) -> list[str]:
     for key, value in data.items():
         head = f"{'  ' * depth}{write_text(key)}:"
         flow = _flow(value)
-        nested = isinstance(value, Mapping) and value and any(isinstance(part, Mapping) for part in value.values())
+        nested = (
+            isinstance(value, Mapping)
+            and value
+            and any(isinstance(part, Mapping) for part in value.values())
+        )
         if nested or (isinstance(value, Mapping) and len(head) + len(flow) > WIDTH):
             lines += [head, *_block(value, depth + 1)]
         else:
@@ -40,7 +46,9 @@ def _block(data: Mapping[str, Any], depth: int) -> list[str]:
 
 def _flow(value: Any) -> str:
     if isinstance(value, Mapping):
-        return f"{{{', '.join(f'{write_text(key)}: {_flow(part)}' for key, part in value.items())}}}"
+        return (
+            f"{{{', '.join(f'{write_text(key)}: {_flow(part)}' for key, part in value.items())}}}"
+        )
     if isinstance(value, str):
         return write_text(value)
     if isinstance(value, Sequence):

@@ -40,7 +40,11 @@ class Command:
     def time_of(self, turns: float) -> float:
         """Return the time from the start at which the phase has advanced by `turns` turns, s."""
         # Root of f t + pace t^2/2 = turns in the form without cancellation, valid for pace = 0.
-        return 2.0 * turns / (self.frequency + float(np.sqrt(self.frequency**2 + 2.0 * self._pace * turns)))
+        return (
+            2.0
+            * turns
+            / (self.frequency + float(np.sqrt(self.frequency**2 + 2.0 * self._pace * turns)))
+        )
 
     def turns_at(self, time: Array) -> Array:
         """Return the turns of the phase since the start, at times from the start (s)."""

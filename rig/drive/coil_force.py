@@ -26,7 +26,9 @@ class Armature:
     def of(cls, exciter: Exciter) -> "Armature":
         """Return the armature of an exciter; c = 2 zeta sqrt(k m)."""
         stiffness, mass = exciter.flexure_stiffness, exciter.moving_mass
-        return cls(mass, float(2.0 * exciter.flexure_damping_ratio * np.sqrt(stiffness * mass)), stiffness)
+        return cls(
+            mass, float(2.0 * exciter.flexure_damping_ratio * np.sqrt(stiffness * mass)), stiffness
+        )
 
 
 class CoilForce:

@@ -1,5 +1,5 @@
-"""A dwell in shaker-coupled drive: start-up, level control, settling and recording under a constant
-command, ramp-down.
+"""A dwell in shaker-shaker-coupled drive: start-up, level control, settling and recording under a
+constant command, ramp-down.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -59,7 +59,9 @@ class Plan:
         return float(np.sqrt(self.frequency**2 + (last**2 - self.frequency**2) * share))
 
 
-def phasors(signal: Array, first: int, per_second: float, frequency: float, count: int) -> tuple[complex, ...]:
+def phasors(
+    signal: Array, first: int, per_second: float, frequency: float, count: int
+) -> tuple[complex, ...]:
     """Return the phasors (peak) of harmonics 1 to `count` of a signal of interval means.
 
     first : number of intervals between time 0 and the start of the signal
@@ -120,7 +122,11 @@ class Dwell:
         return self._next((), RAMP_DOWN)
 
     def _next(self, phasor: tuple[complex, ...], cycles: int) -> Command:
-        end = self._plan.frequency if self.steady_from is None else self._plan.at(self._cycles - self.steady_from)
+        end = (
+            self._plan.frequency
+            if self.steady_from is None
+            else self._plan.at(self._cycles - self.steady_from)
+        )
         self._cycles += cycles
         return Command(phasor, end, cycles)
 

@@ -57,7 +57,12 @@ class Plant:
 
     @classmethod
     def of(
-        cls, exciter: Exciter, box: float, gauge_mass: float = 0.0, gauge: GaugeSide = "box", damping: float = 0.0
+        cls,
+        exciter: Exciter,
+        box: float,
+        gauge_mass: float = 0.0,
+        gauge: GaugeSide = "box",
+        damping: float = 0.0,
     ) -> "Plant":
         """Return the system of an exciter and a box of mass `box` (kg, without the gauge mass)."""
         at_box = gauge == "box"
@@ -66,11 +71,15 @@ class Plant:
             resistance=exciter.resistance,
             inductance=max(exciter.inductance, LEAST_TIME * exciter.resistance),
             flexure=exciter.flexure_stiffness,
-            flexure_damping=_damping(exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass),
+            flexure_damping=_damping(
+                exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass
+            ),
             stinger=exciter.stinger_stiffness,
             stinger_damping=exciter.stinger_damping,
             isolation=exciter.isolation_stiffness,
-            isolation_damping=_damping(exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass),
+            isolation_damping=_damping(
+                exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass
+            ),
             armature=exciter.moving_mass + (0.0 if at_box else gauge_mass),
             body=exciter.body_mass,
             box=box + (gauge_mass if at_box else 0.0),
@@ -98,7 +107,10 @@ class Plant:
         a[V, V] -= self.damping
         a[VA, I], a[VB, I] = self.force_constant, -self.force_constant
         a[[VA, VB, V]] /= np.array([[self.armature], [self.body], [self.box]])
-        a[I, [VA, VB, I]] = -np.array([self.force_constant, -self.force_constant, self.resistance]) / self.inductance
+        a[I, [VA, VB, I]] = (
+            -np.array([self.force_constant, -self.force_constant, self.resistance])
+            / self.inductance
+        )
         return a
 
 
@@ -181,7 +193,11 @@ def propagator(plant: Plant, interval: float, longest: int) -> Propagator:
     """
     from scipy.linalg import expm
 
-    phi, now, following = np.zeros((2, STATES, STATES)), np.zeros((2, STATES)), np.zeros((2, STATES))
+    phi, now, following = (
+        np.zeros((2, STATES, STATES)),
+        np.zeros((2, STATES)),
+        np.zeros((2, STATES)),
+    )
     thrust = np.zeros((2, longest + 1, STATES))
     scale = np.ones(STATES)
     # Positions in units of the interval: this balances the matrix, which the exponential needs.

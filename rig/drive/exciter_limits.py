@@ -73,14 +73,20 @@ def need(exciter: Exciter, pull: Spectrum, box: Spectrum, jw: Spectrum) -> Need:
     e = R i + L i' + BL (x_a' - x_b'), x_a = x + F_gauge / (k_st + j w c_st).
     """
     armature = box + pull / (exciter.stinger_stiffness + jw * exciter.stinger_damping)
-    flexure = _spring(exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass, jw)
-    mount = _spring(exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass, jw)
+    flexure = _spring(
+        exciter.flexure_stiffness, exciter.flexure_damping_ratio, exciter.moving_mass, jw
+    )
+    mount = _spring(
+        exciter.isolation_stiffness, exciter.isolation_damping_ratio, exciter.body_mass, jw
+    )
     thrust_on_body = exciter.moving_mass * jw**2 * armature + pull
     body = -thrust_on_body / (exciter.body_mass * jw**2 + mount)
     relative = armature - body
     coil_force = thrust_on_body + flexure * relative
     current = coil_force / exciter.force_constant
-    voltage = (exciter.resistance + jw * exciter.inductance) * current + exciter.force_constant * jw * relative
+    voltage = (
+        exciter.resistance + jw * exciter.inductance
+    ) * current + exciter.force_constant * jw * relative
     return Need(coil_force, relative, current, voltage)
 
 

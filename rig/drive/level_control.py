@@ -144,7 +144,9 @@ def stepped(
     """
     jumped, swing = _jumped(loop, measured[0]), _swing(loop, abs(measured[0]), target.level)
     window = (*loop.window, tuple(measured))
-    loop = replace(loop, window=window, cycles=loop.cycles + 1, jumps=loop.jumps + jumped, fresh=loop.fresh + 1)
+    loop = replace(
+        loop, window=window, cycles=loop.cycles + 1, jumps=loop.jumps + jumped, fresh=loop.fresh + 1
+    )
     means, scatter = _mean(window)
     scatter = scatter if len(window) >= LEAST else max(loop.scatter, swing)
     loop = replace(loop, level=abs(means[0]), scatter=scatter)
@@ -155,7 +157,9 @@ def stepped(
     # standard error.
     late = loop.cycles > PATIENCE
     taken = late or len(window) > target.longest
-    inside = abs(error) <= max(math.log1p((1.0 if late else AIM) * target.tolerance), doubt if taken else 0.0)
+    inside = abs(error) <= max(
+        math.log1p((1.0 if late else AIM) * target.tolerance), doubt if taken else 0.0
+    )
     far = abs(error) > NEAR + 2.0 * loop.scatter
     full = loop.fresh > (target.hold if inside and not late else LEAST - 1) and (sure or taken)
     if full and inside and _distortion(means, loop.command) <= target.flat:
@@ -176,12 +180,21 @@ def stepped(
 
 
 def _changed(
-    loop: Loop, target: Target, means: Phasors, error: float, used: float, far: bool, response: Sequence[complex]
+    loop: Loop,
+    target: Target,
+    means: Phasors,
+    error: float,
+    used: float,
+    far: bool,
+    response: Sequence[complex],
 ) -> Loop:
     """Return the loop with a new command and a new window."""
     slope = _slope(loop, far)
     rising = _rising(loop) if far else 0.0
-    step = max(-LONGEST_STEP, min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * (error - LEAD * rising)))
+    step = max(
+        -LONGEST_STEP,
+        min(LONGEST_STEP, (GAIN if far else FINE_GAIN) / slope * (error - LEAD * rising)),
+    )
     if used:  # down to the limit: what is then missing of the level is the limit's
         # Reduce the command to the limit; the remaining level error is due to the limit.
         step = max(-LONGEST_STEP, min(0.0, -math.log(used)))
@@ -199,7 +212,9 @@ def _changed(
     kept: tuple[Phasors, ...] = ()
     if not far and loop.scatter > target.tolerance:
         grown = math.exp(slope * step)
-        kept = tuple((grown * phasors[0], *phasors[1:]) for phasors in loop.window[-target.longest :])
+        kept = tuple(
+            (grown * phasors[0], *phasors[1:]) for phasors in loop.window[-target.longest :]
+        )
     before = (loop.level, abs(loop.command[0]))
     return replace(loop, command=(first, *others), slope=slope, window=kept, fresh=0, before=before)
 

@@ -156,11 +156,15 @@ def cord_coefficient(loss_factor: float, frequency: float, mass: float) -> float
     return float(loss_factor * mass * (2.0 * np.pi * frequency) ** 2)
 
 
-def over_first_principles(noise: float, air: float, cavity: Cavity, frequency: float) -> dict[str, float]:
+def over_first_principles(
+    noise: float, air: float, cavity: Cavity, frequency: float
+) -> dict[str, float]:
     """Return, by channel, the ratio of the coefficients `noise` and `air` to first-principles
     values for sound and drag of the closed box.
     """
-    height, width, length = (side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length))
+    height, width, length = (
+        side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length)
+    )
     sound = sound_of_box(height, width, length, 2.0 * np.pi * frequency)
     return {"noise": noise / sound, "air": air / drag_of_box(height, width)}
 
@@ -179,5 +183,7 @@ def sound_of_box(height: float, width: float, length: float, omega: float) -> fl
     1.19 rho pi/4 times the square of the larger face's side (Koss 1974 form).
     """
     side = max(height, width)
-    moved = AIR_DENSITY * (height * width * length + 1.19 * np.pi / 4.0 * side**2 * min(height, width))
+    moved = AIR_DENSITY * (
+        height * width * length + 1.19 * np.pi / 4.0 * side**2 * min(height, width)
+    )
     return float(moved**2 * omega**4 / (12.0 * np.pi * AIR_DENSITY * SOUND_SPEED**3))

@@ -73,7 +73,9 @@ def viscous_energy(coefficient: float, motion: Waveform) -> float:
     """Return the energy dissipated per cycle by -c v, J: integral of c v^2 dt, exact; pi c w X^2
     for a sine.
     """
-    return float(0.5 * coefficient * motion.velocity_unit**2 * harmonic_sum(motion, 2) / motion.frequency)
+    return float(
+        0.5 * coefficient * motion.velocity_unit**2 * harmonic_sum(motion, 2) / motion.frequency
+    )
 
 
 def harmonic_sum(motion: Waveform, power: int) -> float:
@@ -83,9 +85,13 @@ def harmonic_sum(motion: Waveform, power: int) -> float:
 
 
 def waveform(
-    drive: Drive, level_error: float, third_harmonic: float, rng: np.random.Generator | None, clock: float = 1.0
+    drive: Drive,
+    level_error: float,
+    third_harmonic: float,
+    rng: np.random.Generator | None,
+    clock: float = 1.0,
 ) -> Waveform:
-    """Return the motion that ideal waveform control (`servo`) reaches for a drive setting.
+    """Return the motion that ideal waveform control (`prescribed`) reaches for a drive setting.
 
     level_error : relative standard deviation of the level, normal (assumed, rig file)
     third_harmonic : relative amplitude of a third harmonic at a random phase (assumed, rig file)

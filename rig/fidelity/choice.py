@@ -51,7 +51,11 @@ class FidelityChoice:
     @property
     def why(self) -> str:
         """The reason why the tolerance is not met, "" if it is."""
-        parts = {"rows": self.error_rows, "settling and record": self.error_window, "noise": self.error_noise}
+        parts = {
+            "rows": self.error_rows,
+            "settling and record": self.error_window,
+            "noise": self.error_noise,
+        }
         largest = max(parts, key=lambda name: parts[name])
         return "" if self.met else f"{largest} leave {100 * parts[largest]:.2g} %"
 
@@ -65,5 +69,7 @@ class FidelityChoice:
         """
         scene = condition.scene if self.rows is None else with_rows(condition.scene, self.rows)
         return replace(
-            condition, scene=scene, acquire=replace(condition.acquire, settle=self.settle, record=self.record)
+            condition,
+            scene=scene,
+            acquire=replace(condition.acquire, settle=self.settle, record=self.record),
         )

@@ -90,7 +90,9 @@ class Noise:
     settle: int = 1
 
 
-def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float) -> FidelityChoice:
+def choose(
+    condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: float
+) -> FidelityChoice:
     """Return the cheapest rows, settling and record within the tolerance; `losses` : losses of the
     box, J per cycle.
     """
@@ -108,7 +110,8 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
         pilot_runs = _pilots_of_runs(condition, rig, asked)
     elif rows and rows.pilot.W > 0.0:
         pilot_runs = [
-            partial(rows_pilot, scene, rig, drive, filling) for filling in _fillings(scene, rig, asked, condition)
+            partial(rows_pilot, scene, rig, drive, filling)
+            for filling in _fillings(scene, rig, asked, condition)
         ]
     for cycles in (first, LONGER * first):
         # The first pilot run is the one that chose the rows: it is not repeated.
@@ -117,14 +120,20 @@ def choose(condition: Condition, rig: Rig, asked: Asked, noise: Noise, losses: f
         planning += sum(pilot.simulated for pilot in pilots[len(known) :])
         scale = max((pilots[0].W if pilots else 0.0) + losses, noise.detect)
         relative = 2.0 * noise.one_cycle / scale / asked.runs**0.5 if scale > 0.0 else 0.0
-        lengths = choose_lengths(pilots, allowed, relative, noise.settle, acquire.settle + acquire.record)
+        lengths = choose_lengths(
+            pilots, allowed, relative, noise.settle, acquire.settle + acquire.record
+        )
         # Longer pilot runs help only if the window, not the noise, limits the accuracy.
         if lengths.error <= allowed or not pilots or lengths.noise > allowed:
             break
-    return _choice(condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning)
+    return _choice(
+        condition, asked.tolerance, rows, lengths, _skipped(condition, rig, rows), planning
+    )
 
 
-def resolved(protocol: Protocol, conditions: Sequence[Condition], rig: Rig) -> tuple[tuple[Condition, int], ...]:
+def resolved(
+    protocol: Protocol, conditions: Sequence[Condition], rig: Rig
+) -> tuple[tuple[Condition, int], ...]:
     """Return a protocol's conditions with the rows that `choose` would give them, and the cycles
     over which W_T averages rows without a period.
 
@@ -139,7 +148,9 @@ def resolved(protocol: Protocol, conditions: Sequence[Condition], rig: Rig) -> t
 def _with_found_rows(condition: Condition, rig: Rig, asked: Asked) -> tuple[Condition, int]:
     if condition.scene.bed != "layers":
         return condition, AVERAGED_CYCLES
-    found = choose_rows(condition.scene, rig, condition.drive, asked.tolerance, asked.drawn(condition))
+    found = choose_rows(
+        condition.scene, rig, condition.drive, asked.tolerance, asked.drawn(condition)
+    )
     return replace(condition, scene=with_rows(condition.scene, found.rows)), _averaged(found)
 
 
@@ -179,9 +190,13 @@ def _pilots_of_runs(condition: Condition, rig: Rig, asked: Asked) -> list[PilotR
 
 
 def _choice(
-    condition: Condition, tolerance: float, rows: RowsChoice | None, lengths: LengthChoice, skipped: tuple[str, ...],
+    condition: Condition,
+    tolerance: float,
+    rows: RowsChoice | None,
+    lengths: LengthChoice,
+    skipped: tuple[str, ...],
     planning: int,
-) -> FidelityChoice:  # fmt: skip
+) -> FidelityChoice:
     written = (condition.scene.layers.rows, condition.acquire.settle, condition.acquire.record)
     resolved = (resolved_rows(condition.scene), FULL_SETTLE, FULL_RECORD)
     chosen = (rows.rows if rows else 0, lengths.settle, lengths.record)
@@ -201,7 +216,8 @@ def _choice(
         scatter_resolved=rows.scatter_resolved if rows else 0.0,
         averaged=_averaged(rows),
         skipped=skipped,
-        row_cycles={name: flowing * a * (s + r) for name, (a, s, r) in counts.items()} | {"planning": planning},
+        row_cycles={name: flowing * a * (s + r) for name, (a, s, r) in counts.items()}
+        | {"planning": planning},
     )
 
 
@@ -224,7 +240,9 @@ def _skipped(condition: Condition, rig: Rig, rows: RowsChoice | None) -> tuple[s
                 f"{still} of {rows.pilot.layers} layers: below their threshold or without room, carried as mass"
             )
         if rows.pilot.W > 0.0:
-            found.append(f"rows that repeat themselves, {100 * rows.pilot.repeating:.3g} % of W: replayed")
+            found.append(
+                f"rows that repeat themselves, {100 * rows.pilot.repeating:.3g} % of W: replayed"
+            )
     if "gas" in scene.losses:
         share = share_of_weight(scene, rig, drive.acceleration, drive.frequency)
         found += [f"gas: {100 * share:.2g} % of the bed's weight"] if share <= LEAST_SHARE else []
@@ -238,7 +256,9 @@ def _ideal(acquire: Acquire) -> tuple[str, ...]:
         "force sensor": (acquire.sensors.force, "noise, pole, calibration error"),
         "acceleration sensor": (acquire.sensors.acceleration, "noise, pole, calibration error"),
     }
-    return tuple(f"{name}: ideal, no {what}" for name, (model, what) in parts.items() if model == IDEAL)
+    return tuple(
+        f"{name}: ideal, no {what}" for name, (model, what) in parts.items() if model == IDEAL
+    )
 
 
 def stand_pilot(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int) -> Pilot:

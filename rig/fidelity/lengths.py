@@ -16,7 +16,35 @@ Array = NDArray[np.float64]
 LEAST_RECORD = 4
 """Shortest record, cycles."""
 
-RECORDS = (4, 5, 6, 7, 8, 9, 10, 12, 15, 16, 18, 20, 24, 30, 36, 40, 48, 60, 72, 96, 120, 144, 192, 240, 288, 384, 480)
+RECORDS = (
+    4,
+    5,
+    6,
+    7,
+    8,
+    9,
+    10,
+    12,
+    15,
+    16,
+    18,
+    20,
+    24,
+    30,
+    36,
+    40,
+    48,
+    60,
+    72,
+    96,
+    120,
+    144,
+    192,
+    240,
+    288,
+    384,
+    480,
+)
 """Trial record lengths; many are multiples of 2, 3, 4 and 6, the common periods of rows."""
 
 WINDOWS = 3
@@ -96,7 +124,9 @@ def _in_time(record: int, worst: Array, noise: float, budget: int) -> Iterator[L
     """Yield multiples of a record that leave the rest of `budget` cycles for settling."""
     for times in range(1, budget // record + 1):
         settle = min(budget - times * record, worst.size - 1)
-        yield LengthChoice(settle, times * record, float(worst[settle]), noise / math.sqrt(times * record))
+        yield LengthChoice(
+            settle, times * record, float(worst[settle]), noise / math.sqrt(times * record)
+        )
 
 
 def _worst(series: Sequence[Array], record: int) -> Array:

@@ -58,7 +58,9 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
     too many events.
     """
     bed = stack(scene, rig, filling)
-    rows = sliding_rows(bed.threshold, bed.play, bed.restitution, drive.acceleration, drive.frequency)
+    rows = sliding_rows(
+        bed.threshold, bed.clearance, bed.restitution, drive.acceleration, drive.frequency
+    )
     found = transient(rows, np.ones(1), np.zeros(1), cycles)
     if (found.period < 0).any():
         raise cannot_follow(bed, f"meets more than {MAX_EVENTS} events in one cycle")
@@ -67,7 +69,8 @@ def rows_pilot(scene: Scene, rig: Rig, drive: Drive, filling: Filling, cycles: i
     return Pilot(
         energy=unit * found.energy.reshape(-1, scene.layers.rows),
         work=unit * found.work,
-        layers=bed.threshold.size + round(bed.carried_mass / (bed.row_mass * scene.layers.rows) if bed.row_mass else 0),
+        layers=bed.threshold.size
+        + round(bed.carried_mass / (bed.row_mass * scene.layers.rows) if bed.row_mass else 0),
         flowing=rows.band.size,
         repeating=float(found.energy[found.period > 0].sum()) / taken if taken > 0.0 else 1.0,
         averaging=_averaging(found.loose[HISTORY:]) / taken if taken > 0.0 else 0.0,

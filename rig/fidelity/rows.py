@@ -94,7 +94,9 @@ def choose_rows(scene: Scene, rig: Rig, drive: Drive, tolerance: float, drawn: i
     resolved = resolved_rows(scene)
     flowing = _pilot(with_rows(scene, 1), rig, drive, PILOT_CYCLES[0]).flowing
     reference = min(resolved, max(MOST_REFERENCE_ROWS // max(flowing, 1), 1))
-    best, cycles, left, planning = _long_enough(with_rows(scene, reference), rig, drive, AVERAGING * tolerance)
+    best, cycles, left, planning = _long_enough(
+        with_rows(scene, reference), rig, drive, AVERAGING * tolerance
+    )
     if not best.W > 0.0:
         return RowsChoice(1, resolved, resolved, cycles, 0.0, 0.0, 0.0, 0.0, best, planning)
     least = scatter(best.energy, reference) / best.W
@@ -118,7 +120,7 @@ def scatter(energy: Array, rows: int) -> float:
     """Return the standard deviation of the sum of the rows' energies, each of `rows` rows lying
     anywhere in its stratum.
 
-    energy : of resolved rows, (layers, resolved), in order of their play
+    energy : of resolved rows, (layers, resolved), in order of their clearance
 
     The variance of one row over its stratum is the mean semivariance of pairs inside it (the
     dispersion variance of geostatistics): (2/L^2) integral of (L - l) gamma(l) dl, with gamma from
@@ -137,7 +139,9 @@ def scatter(energy: Array, rows: int) -> float:
     return math.sqrt(layers * variance / rows)
 
 
-def _long_enough(scene: Scene, rig: Rig, drive: Drive, allowed: float) -> tuple[Pilot, int, float, int]:
+def _long_enough(
+    scene: Scene, rig: Rig, drive: Drive, allowed: float
+) -> tuple[Pilot, int, float, int]:
     """Return the shortest pilot run with an energy uncertainty of at most `allowed`, or the longest
     one; its cycles; its relative uncertainty; and the row cycles simulated, including shorter runs.
 

@@ -1,4 +1,6 @@
-"""Records that `rig export` wrote: the file beside each says what is undone, and what the mapping need not repeat."""
+"""Records that `rig export` wrote: the file beside each says what is undone, and what the mapping
+need not repeat.
+"""
 
 import math
 from collections.abc import Mapping
@@ -21,7 +23,8 @@ SAID = ("model", "serial", "direction", "calibration_date", "gain_tolerance")
 def sidecar_for(file: Path, digest: str, mapping: RecordMap) -> Sidecar | None:
     """Return what stands beside a record with the SHA-256 `digest`, None where there is nothing.
 
-    Raises InputError where the mapping asks for a correction that is done already; FormatError for a damaged file.
+    Raises InputError where the mapping asks for a correction that is done already; FormatError for
+    a damaged file.
     """
     found = read_sidecar(file, digest)
     if found is None or not found.corrected:
@@ -37,7 +40,9 @@ def sidecar_for(file: Path, digest: str, mapping: RecordMap) -> Sidecar | None:
 
 
 def channel_in(sidecar: Sidecar, column: Column) -> str | None:
-    """Return the exported channel behind a mapping's column, "name", "name [unit]" or its position; None for none."""
+    """Return the exported channel behind a mapping's column, "name", "name [unit]" or its position;
+    None for none.
+    """
     for name, certificate in sidecar.channels.items():
         if column.channel in (name, f"{name} [{certificate['unit']}]"):
             return name
@@ -54,16 +59,22 @@ def certificate_of(sidecar: Sidecar | None, column: Column) -> Mapping[str, Any]
 
 
 def with_certificate(
-    channel: ChannelInfo, column: ForceColumn | AccelerationColumn, certificate: Mapping[str, Any], corrected: bool,
+    channel: ChannelInfo,
+    column: ForceColumn | AccelerationColumn,
+    certificate: Mapping[str, Any],
+    corrected: bool,
     frequency: float,
-) -> ChannelInfo:  # fmt: skip
-    """Return a row of the channel table with what the mapping leaves open filled from the certificate.
+) -> ChannelInfo:
+    """Return a row of the channel table with what the mapping leaves open filled from the
+    certificate.
 
-    corrected: poles and delay are undone in the samples; what is not known of a pole then stays as uncertainty of the
-    channel's time, of equal phase at `frequency` (Hz).
+    corrected: poles and delay are undone in the samples; what is not known of a pole then stays as
+    uncertainty of the channel's time, of equal phase at `frequency` (Hz).
     """
     default = type(column)(channel=column.channel)
-    own = {name: certificate[name] for name in SAID if getattr(column, name) == getattr(default, name)}
+    own = {
+        name: certificate[name] for name in SAID if getattr(column, name) == getattr(default, name)
+    }
     if column.calibration_U is None:
         own["calibration_U"] = certificate["calibration_U"]
     if column.noise is None:
@@ -71,12 +82,18 @@ def with_certificate(
     poles = certificate["time_constants"]
     tolerance = column.delay_tolerance or certificate["skew_tolerance"]
     if corrected:
-        spreads = (certificate["time_constant_spread"], certificate["corner_tolerance"] / math.sqrt(3))
+        spreads = (
+            certificate["time_constant_spread"],
+            certificate["corner_tolerance"] / math.sqrt(3),
+        )
         omega = 2 * math.pi * frequency
         phases = [
-            0.5 * spread * math.sin(2 * pole_phase(omega, pole)) for pole, spread in zip(poles, spreads, strict=False)
+            0.5 * spread * math.sin(2 * pole_phase(omega, pole))
+            for pole, spread in zip(poles, spreads, strict=False)
         ]
-        own["skew_tolerance"] = math.hypot(tolerance, *(math.sqrt(3) * phase / omega for phase in phases))
+        own["skew_tolerance"] = math.hypot(
+            tolerance, *(math.sqrt(3) * phase / omega for phase in phases)
+        )
     else:
         own["skew_tolerance"] = tolerance
         if column.delay == 0.0:

@@ -1,4 +1,6 @@
-"""A record of another laboratory: read as its mapping says, gated, its frequency and whole cycles found. SI units."""
+"""A record of another laboratory: read as its mapping says, gated, its frequency and whole cycles
+found. SI units.
+"""
 
 import hashlib
 import math
@@ -37,7 +39,9 @@ SHORTEST = 16  # samples
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """One record in SI units. settle, cycles: of the part that counts; start: sample at which it begins."""
+    """One record in SI units. settle, cycles: of the part that counts; start: sample at which it
+    begins.
+    """
 
     source: Path
     known: Known
@@ -56,23 +60,39 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     """A record read, scaled, gated, and its whole cycles found."""
     kind = mapping.format or kind_of(file)
     if kind is None:
-        raise FormatError(f"{file}: no format by that name; write `format:` ({', '.join(FORMATS)}) in the mapping")
-    names = [mapping.force.channel, mapping.acceleration.channel, *([mapping.time.channel] if mapping.time else [])]
+        raise FormatError(
+            f"{file}: no format by that name; write `format:` ({', '.join(FORMATS)}) in the mapping"
+        )
+    names = [
+        mapping.force.channel,
+        mapping.acceleration.channel,
+        *([mapping.time.channel] if mapping.time else []),
+    ]
     style = CsvStyle(mapping.csv.delimiter, mapping.csv.decimal, mapping.csv.skip)
     columns = read_columns(file, kind, names, style)
     force, acceleration = (columns[name] for name in names[:2])
     if force.samples.size != acceleration.samples.size:
         found = f"{force.samples.size} and {acceleration.samples.size} samples"
-        raise FormatError(f"{file}: force and acceleration have {found}: they must be sampled together")
+        raise FormatError(
+            f"{file}: force and acceleration have {found}: they must be sampled together"
+        )
     for name in names:
         bad = np.flatnonzero(~np.isfinite(columns[name].samples))
         if bad.size:
-            raise FormatError(f"{file}: {name} is not a number at sample {bad[0]}; a record may have no gap")
+            raise FormatError(
+                f"{file}: {name} is not a number at sample {bad[0]}; a record may have no gap"
+            )
     with open_regular(file) as content:
         digest = hashlib.file_digest(content, "sha256").hexdigest()
     sidecar = sidecar_for(file, digest, mapping)
     beside = None if sidecar is None else sidecar.rate
-    rate = _rate(file, mapping, (force, acceleration), beside, columns[names[2]].samples if mapping.time else None)
+    rate = _rate(
+        file,
+        mapping,
+        (force, acceleration),
+        beside,
+        columns[names[2]].samples if mapping.time else None,
+    )
     start = round((mapping.settle if run.settle is None else run.settle) * rate)
     if sidecar is not None and run.settle is None and not mapping.settle:
         start = round(sidecar.window[0])
@@ -82,19 +102,27 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
     a = _scaled(acceleration.samples, mapping.acceleration, ACCELERATION_UNITS)
     if start >= force.samples.size:
         lasts = force.samples.size / rate
-        raise AnalysisError(f"{file}: the record lasts {lasts:.4g} s, and {start / rate:.4g} s are left out: `settle`")
+        raise AnalysisError(
+            f"{file}: the record lasts {lasts:.4g} s, and {start / rate:.4g} s are left out: `settle`"
+        )
     if a[part].size < SHORTEST or not np.ptp(a[part]):
-        raise AnalysisError(f"{file}: nothing moves in the {a[part].size} samples after {start / rate:g} s")
+        raise AnalysisError(
+            f"{file}: nothing moves in the {a[part].size} samples after {start / rate:g} s"
+        )
     try:
         frequency = drive_frequency(a[part], rate, mapping.frequency)
         if mapping.frequency is not None and abs(frequency / mapping.frequency - 1) > OTHER_DRIVE:
-            raise AnalysisError(f"the drive is at {frequency:.6g} Hz, the mapping says {mapping.frequency:g} Hz")
+            raise AnalysisError(
+                f"the drive is at {frequency:.6g} Hz, the mapping says {mapping.frequency:g} Hz"
+            )
         steady = steadiness(a[part], rate, frequency)
         cycles = whole_cycles(part.stop, rate, frequency, settle=start * frequency / rate).cycles
     except (AnalysisError, ValueError) as error:
         raise AnalysisError(f"{file}: {error}") from error
     _gate(file, mapping, steady)
-    return Reading(file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar)
+    return Reading(
+        file, run.condition, F, a, rate, frequency, start, cycles, steady, digest, sidecar
+    )
 
 
 def _gate(file: Path, mapping: RecordMap, steady: Steadiness) -> None:
@@ -108,24 +136,40 @@ def _gate(file: Path, mapping: RecordMap, steady: Steadiness) -> None:
 
 
 def _rate(
-    file: Path, mapping: RecordMap, channels: tuple[FileColumn, FileColumn], beside: float | None, time: Array | None
+    file: Path,
+    mapping: RecordMap,
+    channels: tuple[FileColumn, FileColumn],
+    beside: float | None,
+    time: Array | None,
 ) -> float:
     """Samples per second: of the mapping, the time column, the file, or the JSON file beside it."""
     if time is not None and mapping.time is not None:
         seconds = time * {"s": 1.0, "ms": 1e-3, "us": 1e-6}[mapping.time.unit]
         step = float(seconds[-1] - seconds[0]) / max(seconds.size - 1, 1)
-        apart = np.abs(seconds - seconds[0] - step * np.arange(seconds.size)) if step > 0 else np.array([math.inf])
+        apart = (
+            np.abs(seconds - seconds[0] - step * np.arange(seconds.size))
+            if step > 0
+            else np.array([math.inf])
+        )
         if not step > 0 or apart.max() > UNEVEN * step:
             where = int(np.argmax(apart))
-            raise FormatError(f"{file}: the time column is not even (sample {where}): no gap or jump is allowed")
+            raise FormatError(
+                f"{file}: the time column is not even (sample {where}): no gap or jump is allowed"
+            )
         return 1 / step
-    told = [rate for rate in (mapping.rate, *(one.rate for one in channels), beside) if rate is not None]
+    told = [
+        rate for rate in (mapping.rate, *(one.rate for one in channels), beside) if rate is not None
+    ]
     if not told:
-        raise FormatError(f"{file} does not say its sampling rate: write `rate:` or `time:` in the mapping")
+        raise FormatError(
+            f"{file} does not say its sampling rate: write `rate:` or `time:` in the mapping"
+        )
     if abs(told[0] / told[-1] - 1) > 1e-5:
         raise FormatError(f"{file}: sampling rates of {told[0]:g} and {told[-1]:g} Hz")
     return float(told[0])
 
 
-def _scaled(samples: Array, column: ForceColumn | AccelerationColumn, units: Mapping[str, float]) -> Array:
+def _scaled(
+    samples: Array, column: ForceColumn | AccelerationColumn, units: Mapping[str, float]
+) -> Array:
     return samples * (column.sign * units[column.unit] / (column.sensitivity or 1.0))

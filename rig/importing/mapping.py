@@ -1,4 +1,6 @@
-"""Mapping files: what the columns of a laboratory's own record mean. Read as strictly as protocols, every mistake."""
+"""Mapping files: what the columns of a laboratory's own record mean. Read as strictly as protocols,
+every mistake.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,28 @@ from rig.units import GRAVITY, Quantity
 
 SCHEMA = "rig/map/1"
 FORMATS = ("csv", "uff58", "sep005", "tdms", "mat", "hdf5")
-FORCE_UNITS: Mapping[str, float] = {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605, "V": 1.0, "mV": 1e-3}
-ACCELERATION_UNITS: Mapping[str, float] = {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": GRAVITY, "V": 1.0, "mV": 1e-3}
+FORCE_UNITS: Mapping[str, float] = {
+    "N": 1.0,
+    "kN": 1e3,
+    "mN": 1e-3,
+    "lbf": 4.4482216152605,
+    "V": 1.0,
+    "mV": 1e-3,
+}
+ACCELERATION_UNITS: Mapping[str, float] = {
+    "m/s^2": 1.0,
+    "mm/s^2": 1e-3,
+    "g": GRAVITY,
+    "V": 1.0,
+    "mV": 1e-3,
+}
 """Size of each unit in N or m/s^2; volts need a sensitivity."""
 
 VOLTS = ("V", "mV")
 ASSUMED_U = 0.01
-"""Relative expanded uncertainty (k = 2) of a sensitivity where the mapping states none: a usual certificate's."""
+"""Relative expanded uncertainty (k = 2) of a sensitivity where the mapping states none: a usual
+certificate's.
+"""
 
 Sign = Annotated[int, Quantity("number", -1, 1)]
 Share = Annotated[float, Quantity("number", 0.0, 1.0)]
@@ -37,8 +54,9 @@ Mass = Annotated[float, Quantity("mass", 0.0, 1e6)]
 
 @dataclass(frozen=True)
 class Column:
-    """What force and acceleration have in common. sign: -1 where the file counts the other direction. calibration_U:
-    relative, k = 2, None for not known. delay: s by which the channel comes late."""
+    """What force and acceleration have in common. sign: -1 where the file counts the other
+    direction. calibration_U: relative, k = 2, None for not known. delay: s by which the channel
+    comes late."""
 
     channel: str
     sign: Sign = 1
@@ -56,8 +74,8 @@ class Column:
 
 @dataclass(frozen=True)
 class ForceColumn(Column):
-    """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other side. noise: N rms,
-    None: from the record."""
+    """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other
+    side. noise: N rms, None: from the record."""
 
     unit: Annotated[str, one_of(*FORCE_UNITS)] = "N"
     sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
@@ -70,7 +88,9 @@ class AccelerationColumn(Column):
     """Where the acceleration is; noise in m/s^2 rms."""
 
     unit: Annotated[str, one_of(*ACCELERATION_UNITS)] = "m/s^2"
-    sensitivity: Annotated[float | None, Quantity("acceleration sensitivity", 0.0, 1e6, above=True)] = None
+    sensitivity: Annotated[
+        float | None, Quantity("acceleration sensitivity", 0.0, 1e6, above=True)
+    ] = None
     noise: Annotated[float | None, Quantity("acceleration", 0.0, 1e9)] = None
     range: Annotated[float | None, Quantity("acceleration", 0.0, 1e9, above=True)] = None
 
@@ -94,7 +114,9 @@ class CsvText:
 
 @dataclass(frozen=True)
 class Steady:
-    """Limits of the stationarity gate: change of the fundamental's amplitude (relative) and phase (rad)."""
+    """Limits of the stationarity gate: change of the fundamental's amplitude (relative) and phase
+    (rad).
+    """
 
     level: Share = 0.02
     phase: Annotated[float, Quantity("angle", 0.0, 1.0)] = 0.02
@@ -102,7 +124,8 @@ class Steady:
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a condition beside the records; all of it may be left out. acceleration: the level that was set.
+    """What is known of a condition beside the records; all of it may be left out. acceleration: the
+    level that was set.
 
     bed: `locked` and `empty` make null tests, `dashpot` with `dashpot_c` a reference.
     """
@@ -132,8 +155,9 @@ class RunFile:
 
 @dataclass(frozen=True)
 class RecordMap:
-    """A mapping. rate: Hz, None: from the file or its time column. frequency: Hz, None: found in the record. settle: s
-    left out at the start; length: s used after that, None for all. scene: predicts W_T where it is written.
+    """A mapping. rate: Hz, None: from the file or its time column. frequency: Hz, None: found in
+    the record. settle: s left out at the start; length: s used after that, None for all. scene:
+    predicts W_T where it is written.
     """
 
     name: str
@@ -150,7 +174,7 @@ class RecordMap:
     length: Annotated[float | None, Quantity("time", 0.0, 1e9, above=True)] = None
     steady: Steady = Steady()
     condition: Known = Known()
-    rig: str = "default"
+    rig: str = "paper"
     scene: Scene | None = None
     runs: tuple[RunFile, ...] = ()
 
@@ -184,14 +208,25 @@ def mapping_shape() -> Then:
     schema = one_of(SCHEMA)
     volts = {"required": ["unit"], "properties": {"unit": {"enum": list(VOLTS)}}}
     stated = {"required": ["sensitivity"], "properties": {"sensitivity": {"not": {"type": "null"}}}}
-    rule = {"properties": {"sign": {"not": {"const": 0}}}, "if": volts, "then": stated, "else": {"not": stated}}
-    columns = {name: Then(whole.required[name], _check_column, rule) for name in ("force", "acceleration")}
+    rule = {
+        "properties": {"sign": {"not": {"const": 0}}},
+        "if": volts,
+        "then": stated,
+        "else": {"not": stated},
+    }
+    columns = {
+        name: Then(whole.required[name], _check_column, rule) for name in ("force", "acceleration")
+    }
     others: dict[str, Shape] = {
         "csv": Then(whole.optional["csv"], _check_csv),
         "runs": List(keys_of(RunFile), what="mappings with file"),
     }
-    optional = {key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"}
-    known = replace(whole, required={"schema": schema, **whole.required, **columns}, optional=optional)
+    optional = {
+        key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"
+    }
+    known = replace(
+        whole, required={"schema": schema, **whole.required, **columns}, optional=optional
+    )
     both = {"required": ["rate", "time"], "properties": {"rate": {"not": {"type": "null"}}}}
     return Then(known, _check, {"not": both})
 
@@ -213,7 +248,9 @@ def _with(run: Node, common: Node) -> Node:
     own = run.value.get("condition", Node(run.where, {}))
     if not isinstance(own.value, dict):
         return run
-    merged = Node(own.where, {**common.value, **own.value}, key_places={**common.key_places, **own.key_places})
+    merged = Node(
+        own.where, {**common.value, **own.value}, key_places={**common.key_places, **own.key_places}
+    )
     places = {**run.key_places, "condition": own.where}
     return Node(run.where, {**run.value, "condition": merged}, key_places=places)
 

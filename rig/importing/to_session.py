@@ -1,4 +1,6 @@
-"""A laboratory's own records become a session: gate, frequency, whole cycles; the same W_exp, U and report after it."""
+"""A laboratory's own records become a session: gate, frequency, whole cycles; the same W_exp, U and
+report after it.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,7 +24,15 @@ from rig.catalog.rig_file import load_rig
 from rig.errors import InputError, Mistake
 from rig.importing.exported_record import certificate_of, channel_in, with_certificate
 from rig.importing.lab_record import Reading, read_record
-from rig.importing.mapping import ASSUMED_U, AccelerationColumn, ForceColumn, Known, LoadedMap, RecordMap, RunFile
+from rig.importing.mapping import (
+    ASSUMED_U,
+    AccelerationColumn,
+    ForceColumn,
+    Known,
+    LoadedMap,
+    RecordMap,
+    RunFile,
+)
 from rig.prediction.document import condition_facts, prediction_document, predictions
 from rig.prediction.parameter_uncertainty import model_ratios
 from rig.protocol.grid import conditions
@@ -38,12 +48,15 @@ ALL_FLAGS = sum(Flag)
 STUCK = 3  # equal extreme samples in a row: a clipped record
 
 
-def import_records(files: Sequence[Path], loaded: LoadedMap, path: Path, overwrite: bool = False) -> None:
-    """Write the session `path` from records as a mapping says. files: one run each, all of the mapping's condition, or
-    the folder of the files under its `runs`.
+def import_records(
+    files: Sequence[Path], loaded: LoadedMap, path: Path, overwrite: bool = False
+) -> None:
+    """Write the session `path` from records as a mapping says. files: one run each, all of the
+    mapping's condition, or the folder of the files under its `runs`.
 
-    Raises InputError for what does not fit, AnalysisError where a record is not steady, FormatError where a file
-    cannot be read, SessionError where the session cannot be written. Nothing is written unless every record is good.
+    Raises InputError for what does not fit, AnalysisError where a record is not steady, FormatError
+    where a file cannot be read, SessionError where the session cannot be written. Nothing is
+    written unless every record is good.
     """
     wanted = _wanted(files, loaded)
     readings = [read_record(file, run, loaded.mapping) for file, run in wanted]
@@ -51,7 +64,10 @@ def import_records(files: Sequence[Path], loaded: LoadedMap, path: Path, overwri
     if max(rates) > min(rates) * (1 + SAME_RATE):
         raise InputError(
             Mistake(
-                str(loaded.path), "rate", f"records at {min(rates):g} and {max(rates):g} Hz", "one rate in a session"
+                str(loaded.path),
+                "rate",
+                f"records at {min(rates):g} and {max(rates):g} Hz",
+                "one rate in a session",
             )
         )
     groups: dict[str, list[Reading]] = {}
@@ -70,7 +86,11 @@ def _wanted(files: Sequence[Path], loaded: LoadedMap) -> list[tuple[Path, RunFil
     if not mapping.runs:
         return [(file, RunFile(file.name, mapping.condition)) for file in files]
     if len(files) != 1 or not files[0].is_dir():
-        raise InputError(Mistake("FILE", "", "files beside a mapping with runs", "the folder that holds its files"))
+        raise InputError(
+            Mistake(
+                "FILE", "", "files beside a mapping with runs", "the folder that holds its files"
+            )
+        )
     return [(files[0] / run.file, run) for run in mapping.runs]
 
 
@@ -99,14 +119,21 @@ def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
         documents={
             **({"prediction": {"conditions": predicted}} if mapping.scene is not None else {}),
             "rig": {"name": "laboratory", "values": _assumed(mapping, readings)},
-            "provenance": provenance(loaded.text, 0, math.fsum(r.force.size / r.rate for r in readings)),
+            "provenance": provenance(
+                loaded.text, 0, math.fsum(r.force.size / r.rate for r in readings)
+            ),
             "import": [
-                {"file": visible(r.source.name), "sha256": r.digest, "frequency": r.frequency, **asdict(r.steady)}
+                {
+                    "file": visible(r.source.name),
+                    "sha256": r.digest,
+                    "frequency": r.frequency,
+                    **asdict(r.steady),
+                }
                 for r in readings
             ],
         },
         synthetic=False,
-    )  # fmt: skip
+    )
 
 
 def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
@@ -114,10 +141,19 @@ def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
     for name, group in groups.items():
         for repeat, reading in enumerate(group, start=1):
             size = reading.force.size
-            plans.append(RunPlan(
-                name=f"run_{len(plans) + 1:04d}", condition=name, repeat=repeat, order=len(plans) + 1, samples=size,
-                settle_samples=reading.start, blocks=-(-size // BLOCK), t0=created, title=visible(reading.source.name),
-            ))  # fmt: skip
+            plans.append(
+                RunPlan(
+                    name=f"run_{len(plans) + 1:04d}",
+                    condition=name,
+                    repeat=repeat,
+                    order=len(plans) + 1,
+                    samples=size,
+                    settle_samples=reading.start,
+                    blocks=-(-size // BLOCK),
+                    t0=created,
+                    title=visible(reading.source.name),
+                )
+            )
     return plans
 
 
@@ -128,38 +164,65 @@ def _condition(
     reached = math.fsum(_level(r) for r in group) / len(group)
     level = known.acceleration or reached
     settle = group[0].start * frequency / group[0].rate
-    times = {"settle_cycles": settle, "record_cycles": min(r.cycles for r in group), "frequency": frequency}
+    times = {
+        "settle_cycles": settle,
+        "record_cycles": min(r.cycles for r in group),
+        "frequency": frequency,
+    }
     if mapping.scene is None:
         facts = {name: value for name, value in asdict(known).items() if name != "acceleration"}
-        return {**facts, "drive": "measured", "carried": False, "acceleration_set": level, **times}, {}
+        return {
+            **facts,
+            "drive": "measured",
+            "carried": False,
+            "acceleration_set": level,
+            **times,
+        }, {}
     rig = load_rig(mapping.rig)
-    protocol = Protocol(name=mapping.name, scene=mapping.scene, drive=Drive(frequency=frequency, acceleration=reached))
+    protocol = Protocol(
+        name=mapping.name,
+        scene=mapping.scene,
+        drive=Drive(frequency=frequency, acceleration=reached),
+    )
     condition = replace(conditions(protocol)[0], id=known.id)
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
     predicted = prediction_document(found)["conditions"]
-    predicted[known.id]["u_settling"] = 0.0  # nobody says how long the bed was shaken before the record
+    predicted[known.id]["u_settling"] = (
+        0.0  # nobody says how long the bed was shaken before the record
+    )
     ratios = model_ratios(condition, rig)
     if ratios is not None:
         predicted[known.id]["model"] = list(ratios)
-    return {**facts, **times, "drive": "measured", "losses": [], "acceleration_set": level}, predicted
+    return {
+        **facts,
+        **times,
+        "drive": "measured",
+        "losses": [],
+        "acceleration_set": level,
+    }, predicted
 
 
 def _level(reading: Reading) -> float:
     """Amplitude of the acceleration's fundamental over the whole cycles of a record, m/s^2."""
     stop = reading.start + round(reading.cycles * reading.rate / reading.frequency)
-    return abs(fundamental(reading.acceleration[reading.start : stop], 0, reading.rate, reading.frequency))
+    return abs(
+        fundamental(reading.acceleration[reading.start : stop], 0, reading.rate, reading.frequency)
+    )
 
 
 def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationColumn], ...]:
     return (("force", mapping.force), ("acceleration", mapping.acceleration))
 
 
-def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]) -> ChannelInfo:
-    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record is lost.
+def _channel(
+    name: str, column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]
+) -> ChannelInfo:
+    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record
+    is lost.
 
-    Noise that is not stated is what does not repeat in the quietest record: there, too, a part of it may be the bed's,
-    whose impacts differ from cycle to cycle, but in the others more of it is.
+    Noise that is not stated is what does not repeat in the quietest record: there, too, a part of
+    it may be the bed's, whose impacts differ from cycle to cycle, but in the others more of it is.
     """
     largest = max(float(np.abs(getattr(reading, name)).max()) for reading in readings) or 1.0
     noise = column.noise
@@ -168,15 +231,28 @@ def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequ
         noise = min(filter(None, every), default=0.0)
     sensitivity = column.sensitivity or 1.0
     channel = ChannelInfo(
-        name=name, quantity=name, unit="N" if name == "force" else "m/s^2", model=column.model, serial=column.serial,
-        direction=column.direction, coupling="not stated", range_V=(column.range or largest) * sensitivity,
-        scale=largest * sensitivity / FULL_SCALE, offset=0.0, sensitivity=sensitivity,
+        name=name,
+        quantity=name,
+        unit="N" if name == "force" else "m/s^2",
+        model=column.model,
+        serial=column.serial,
+        direction=column.direction,
+        coupling="not stated",
+        range_V=(column.range or largest) * sensitivity,
+        scale=largest * sensitivity / FULL_SCALE,
+        offset=0.0,
+        sensitivity=sensitivity,
         time_constant=None if isinstance(column.time_constant, str) else column.time_constant,
-        time_constant_spread=column.time_constant_spread, filter_delay=0.0, skew=-column.delay,
+        time_constant_spread=column.time_constant_spread,
+        filter_delay=0.0,
+        skew=-column.delay,
         calibration_date=column.calibration_date,
         calibration_U=ASSUMED_U if column.calibration_U is None else column.calibration_U,
-        gain_tolerance=column.gain_tolerance, clock_ppm=0.0, noise_rms=noise, skew_tolerance=column.delay_tolerance,
-    )  # fmt: skip
+        gain_tolerance=column.gain_tolerance,
+        clock_ppm=0.0,
+        noise_rms=noise,
+        skew_tolerance=column.delay_tolerance,
+    )
     certificate = _certificate(column, readings)
     if certificate is None:
         return channel
@@ -184,15 +260,23 @@ def _channel(name: str, column: ForceColumn | AccelerationColumn, readings: Sequ
     return with_certificate(channel, column, certificate, corrected, readings[0].frequency)
 
 
-def _certificate(column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]) -> Mapping[str, Any] | None:
-    """Return what the files beside the records say of a channel; InputError where they differ among themselves."""
+def _certificate(
+    column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]
+) -> Mapping[str, Any] | None:
+    """Return what the files beside the records say of a channel; InputError where they differ among
+    themselves.
+    """
     first, *others = readings
     certificate = certificate_of(first.sidecar, column)
     for other in others:
-        same_kind = (other.sidecar and other.sidecar.corrected) == (first.sidecar and first.sidecar.corrected)
+        same_kind = (other.sidecar and other.sidecar.corrected) == (
+            first.sidecar and first.sidecar.corrected
+        )
         if not same_kind or certificate_of(other.sidecar, column) != certificate:
             found = f"{first.source.name} and {other.source.name}, whose files of rig export say different things"
-            raise InputError(Mistake("FILE", "", found, "records of one session, all corrected or all raw"))
+            raise InputError(
+                Mistake("FILE", "", found, "records of one session, all corrected or all raw")
+            )
     return certificate
 
 
@@ -207,18 +291,29 @@ def _assumed(mapping: RecordMap, readings: Sequence[Reading]) -> list[dict[str, 
 
 
 def _record(
-    recorder: Recorder, run: str, reading: Reading, mapping: RecordMap, channels: Sequence[ChannelInfo]
+    recorder: Recorder,
+    run: str,
+    reading: Reading,
+    mapping: RecordMap,
+    channels: Sequence[ChannelInfo],
 ) -> None:
     values = [reading.force, reading.acceleration]
     codes = np.stack([
         np.rint(v * (channel.sensitivity / channel.scale)).astype(np.int32)
         for v, channel in zip(values, channels, strict=True)
     ])  # fmt: skip
-    clipped = np.stack([_clipped(v, column.range) for v, (_, column) in zip(values, _columns(mapping), strict=True)])
+    clipped = np.stack(
+        [
+            _clipped(v, column.range)
+            for v, (_, column) in zip(values, _columns(mapping), strict=True)
+        ]
+    )
     for start in range(0, codes.shape[1], BLOCK):
         part = slice(start, start + BLOCK)
         high, low = (clipped[:, part] & (codes[:, part] * sign > 0) for sign in (1, -1))
-        flags = (Flag.OVERLOAD_HI * high.any(axis=1) + Flag.OVERLOAD_LO * low.any(axis=1)).astype(np.uint16)
+        flags = (Flag.OVERLOAD_HI * high.any(axis=1) + Flag.OVERLOAD_LO * low.any(axis=1)).astype(
+            np.uint16
+        )
         count = clipped[:, part].sum(axis=1).astype(np.uint32)
         flags |= _told(reading.sidecar, mapping, start, start + codes[:, part].shape[1])
         recorder.append(run, Block(start, codes[:, part], np.asarray(flags), count, False))
@@ -226,20 +321,29 @@ def _record(
 
 
 def _told(sidecar: Sidecar | None, mapping: RecordMap, start: int, stop: int) -> NDArray[np.uint16]:
-    """Return the quality bits that the file beside a record states for samples start..stop, (channels,)."""
+    """Return the quality bits that the file beside a record states for samples start..stop,
+    (channels,).
+    """
     found = np.zeros(len(_columns(mapping)), np.uint16)
     if sidecar is None:
         return found
     for number, (_, column) in enumerate(_columns(mapping)):
         name = channel_in(sidecar, column)
         for block in sidecar.flags:
-            if name is not None and name in block.flags and block.start < stop and start < block.start + block.count:
+            if (
+                name is not None
+                and name in block.flags
+                and block.start < stop
+                and start < block.start + block.count
+            ):
                 found[number] |= np.uint16(block.flags[name] & ALL_FLAGS)
     return found
 
 
 def _clipped(values: Array, limit: float | None) -> NDArray[np.bool_]:
-    """Samples at the range, or where it is not known, at the record's own extreme several times in a row."""
+    """Samples at the range, or where it is not known, at the record's own extreme several times in
+    a row.
+    """
     if limit is not None:
         return np.asarray(np.abs(values) >= limit)
     found = np.zeros(values.size, dtype=bool)

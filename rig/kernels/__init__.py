@@ -14,7 +14,9 @@ def drop_stale(package: Path, *used: Path) -> None:
     """Delete numba index files of a package that are older than any module of it or of the `used`
     packages.
     """
-    youngest = max(module.stat().st_mtime_ns for folder in (package, *used) for module in folder.rglob("*.py"))
+    youngest = max(
+        module.stat().st_mtime_ns for folder in (package, *used) for module in folder.rglob("*.py")
+    )
     for index in package.rglob("__pycache__/*.nbi"):
         # Another process deleted it first, or this one has no permission while another may.
         with suppress(OSError):  # another process did it, or may and this one may not

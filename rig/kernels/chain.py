@@ -38,7 +38,13 @@ def _next_hit(x: Array, v: Array, wall: bool, still: float) -> tuple[float, int]
 
 @njit(cache=True, nogil=True)
 def collide_file(
-    mass: Array, restitution: Array, wall: bool, restitution_wall: float, x: Array, v: Array, contact_time: float
+    mass: Array,
+    restitution: Array,
+    wall: bool,
+    restitution_wall: float,
+    x: Array,
+    v: Array,
+    contact_time: float,
 ) -> tuple[float, float, int, int]:
     """Compute all hits of a chain of points until none closes on another; `x` (m) and `v` (m/s) are
     overwritten.
@@ -102,5 +108,7 @@ def rebound(grains: int, restitution: float, restitution_wall: float) -> float:
     """
     x = np.arange(1.0, grains + 1.0)
     v = -np.ones(grains)
-    collide_file(np.ones(grains), np.full(max(grains - 1, 1), restitution), True, restitution_wall, x, v, 0.0)
+    collide_file(
+        np.ones(grains), np.full(max(grains - 1, 1), restitution), True, restitution_wall, x, v, 0.0
+    )
     return max(float(v.mean()), 0.0)

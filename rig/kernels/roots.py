@@ -22,7 +22,9 @@ TIGHT = 1e-15
 
 
 @njit(cache=True, nogil=True, inline="always")
-def halley(t: float, lo: float, hi: float, f: float, slope: float, curvature: float) -> tuple[float, bool]:
+def halley(
+    t: float, lo: float, hi: float, f: float, slope: float, curvature: float
+) -> tuple[float, bool]:
     """Return the next trial point for the root of a falling function in [lo, hi], and whether it is
     Halley's.
 

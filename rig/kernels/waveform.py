@@ -70,7 +70,9 @@ def motion(theta: float, P: Array, Q: Array) -> tuple[float, float, float]:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def jet(theta: float, P: Array, Q: Array) -> tuple[float, float, float, float, float, float, float, float]:
+def jet(
+    theta: float, P: Array, Q: Array
+) -> tuple[float, float, float, float, float, float, float, float]:
     """Return position, velocity and acceleration of the waveform and the derivatives by phase up to
     order 7.
     """
@@ -108,15 +110,26 @@ def near_by(
     square = d * d
     return (
         (x + d * v)
-        + square * ((0.5 * a + d * (R6 * jerk)) + square * ((R24 * d4 + d * (R120 * d5)) + square * (R720 * d6))),
+        + square
+        * (
+            (0.5 * a + d * (R6 * jerk))
+            + square * ((R24 * d4 + d * (R120 * d5)) + square * (R720 * d6))
+        ),
         (v + d * a)
-        + square * ((0.5 * jerk + d * (R6 * d4)) + square * ((R24 * d5 + d * (R120 * d6)) + square * (R720 * d7))),
-        (a + d * jerk) + square * ((0.5 * d4 + d * (R6 * d5)) + square * (R24 * d6 + d * (R120 * d7))),
+        + square
+        * (
+            (0.5 * jerk + d * (R6 * d4))
+            + square * ((R24 * d5 + d * (R120 * d6)) + square * (R720 * d7))
+        ),
+        (a + d * jerk)
+        + square * ((0.5 * d4 + d * (R6 * d5)) + square * (R24 * d6 + d * (R120 * d7))),
     )
 
 
 @njit(cache=True, nogil=True)
-def _level_root(lo: float, hi: float, f_lo: float, f_hi: float, level: float, P: Array, Q: Array) -> float:
+def _level_root(
+    lo: float, hi: float, f_lo: float, f_hi: float, level: float, P: Array, Q: Array
+) -> float:
     """Return the phase in a bracket where a(theta) = level, to round-off: regula falsi with the
     Illinois step.
 
@@ -219,7 +232,9 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
 
 
 @njit(cache=True, nogil=True)
-def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array) -> tuple[Array, Array]:
+def _crossings_of(
+    band: float, bounds: Array, values: Array, P: Array, Q: Array
+) -> tuple[Array, Array]:
     """Return the phases (m,) at which the acceleration crosses -band or band, and the region after
     each.
 
@@ -236,7 +251,9 @@ def _crossings_of(band: float, bounds: Array, values: Array, P: Array, Q: Array)
         first = -band if hi > lo else band
         for level in (first, -first):
             if (lo > level) != (hi > level):
-                phases[count] = _level_root(bounds[k], bounds[k + 1], lo - level, hi - level, level, P, Q)
+                phases[count] = _level_root(
+                    bounds[k], bounds[k + 1], lo - level, hi - level, level, P, Q
+                )
                 if hi > lo:
                     behind[count] = 1.0 if level == band else 0.0
                 else:

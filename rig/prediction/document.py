@@ -28,14 +28,16 @@ def predictions(
     """
     wanted = tuple(conditions)
     with ThreadPoolExecutor(workers) as pool:
-        found = pool.map(lambda c: predict_about(c, rig, averaged.get(c.id, AVERAGED_CYCLES)), wanted)
+        found = pool.map(
+            lambda c: predict_about(c, rig, averaged.get(c.id, AVERAGED_CYCLES)), wanted
+        )
         return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
 
 
 def has_level(condition: Condition) -> bool:
     """Return whether a level is set, for which W_T of a sine can be predicted: not in open loop."""
     drive = condition.drive
-    return drive.mode == "servo" or drive.control == "level"
+    return drive.mode == "prescribed" or drive.control == "level"
 
 
 def prediction_document(
@@ -54,7 +56,7 @@ def prediction_document(
             "u_rel": point.u_rel,
             "u_levels": point.u_levels,
             "u_settling": point.u_settling,
-            "W_T_paper": point.W_T_paper,
+            "W_T_as_printed": point.W_T_as_printed,
             "bound": _finite(point.bound),
             "period": point.period,
             "periodic_share": point.periodic_share,
@@ -91,7 +93,9 @@ def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
     }
 
 
-def condition_facts(condition: Condition, rig: Rig, point: Prediction, rate: float) -> dict[str, Any]:
+def condition_facts(
+    condition: Condition, rig: Rig, point: Prediction, rate: float
+) -> dict[str, Any]:
     """Return the facts that the laboratory knows of a condition beforehand, for the session."""
     return {
         **scene_facts(condition, point),
@@ -118,7 +122,11 @@ def _places(condition: Condition) -> dict[str, str]:
     has no stinger.
     """
     drive = condition.drive
-    return {} if drive.mode == "servo" else {"gauge": drive.gauge, "accelerometer": drive.accelerometer}
+    return (
+        {}
+        if drive.mode == "prescribed"
+        else {"gauge": drive.gauge, "accelerometer": drive.accelerometer}
+    )
 
 
 def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
@@ -127,12 +135,16 @@ def _gas_facts(condition: Condition, rig: Rig) -> dict[str, Any] | None:
     """
     if "gas" not in condition.scene.losses:
         return None
-    share = share_of_weight(condition.scene, rig, condition.drive.acceleration, condition.drive.frequency)
+    share = share_of_weight(
+        condition.scene, rig, condition.drive.acceleration, condition.drive.frequency
+    )
     return {"on": share > LEAST_SHARE, "share_of_weight": share}
 
 
 def model_row(condition: Condition, point: Prediction) -> dict[str, Any]:
     """Return one line of `rig model`."""
-    return {**scene_facts(condition, point), "acceleration": condition.drive.acceleration, **asdict(point)} | {
-        "bound": _finite(point.bound)
-    }
+    return {
+        **scene_facts(condition, point),
+        "acceleration": condition.drive.acceleration,
+        **asdict(point),
+    } | {"bound": _finite(point.bound)}

@@ -10,14 +10,14 @@ import numpy as np
 
 from rig.beds.janssen_stack import Filling, Stack, bed_mass, layer_count, nominal, stack
 from rig.beds.layers import cannot_follow
-from rig.beds.single_mass import slug, too_many_events
+from rig.beds.single_mass import single_mass, too_many_events
 from rig.catalog.entries import Rig
 from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE
 from rig.protocol.spec import Condition, Scene
 from rig.stand.box import box_mass
 from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
-from rig.theory.single_mass import SlugTotal, slug_total
+from rig.theory.single_mass import SingleMassTotal, single_mass_total
 from rig.theory.total import (
     AVERAGED_CYCLES,
     ModelEnergy,
@@ -42,22 +42,22 @@ sqrt(3/2) s from the value there, and by sqrt(5/3) s = 1.29 s on average over th
 of the largest of five errors at the tabulated levels is 1.84 s.
 """
 
-SLUG_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
+SINGLE_MASS_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
 """The levels for a single mass: closer, because it may be on another orbit at a slightly different
 level.
 """
 
-SLUG_AVERAGE = (256, 1024)
+SINGLE_MASS_AVERAGE = (256, 1024)
 """Cycles of settling and averaging of a single-mass orbit without a period, at levels other than
 the set one.
 """
 
-SLUG_REACH = 5
+SINGLE_MASS_REACH = 5
 """Levels to either side of the set one within which the measured one is expected: 1 %."""
 
-SLUG_ERROR = 1e-9
+SINGLE_MASS_ERROR = 1e-9
 """Relative error of W_T of a single mass on an orbit with a period
-(tests/physics/test_slug_orbits.py).
+(tests/physics/test_single_mass_orbits.py).
 """
 
 NUMERICAL_ERROR = 1e-3
@@ -84,7 +84,7 @@ class Prediction:
     W_f: float
     W_c: float
     W_T: float
-    W_T_paper: float
+    W_T_as_printed: float
     bound: float
     period: int
     periodic_share: float
@@ -93,24 +93,32 @@ class Prediction:
     u_settling: float = 0.0
 
 
-def total_of(scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float) -> ModelEnergy:
+def total_of(
+    scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float
+) -> ModelEnergy:
     """Return W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
-    if scene.bed == "slug":
-        return slug_variant(scene, rig, filling, acceleration, frequency).total
+    if scene.bed == "single_mass":
+        return single_mass_variant(scene, rig, filling, acceleration, frequency).total
     return layers_variant(scene, stack(scene, rig, filling), acceleration, frequency)
 
 
-def slug_variant(
-    scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float, settle: int = SETTLE,
-    average: int = AVERAGE, window: tuple[int, int] | None = None,
-) -> SlugTotal:  # fmt: skip
+def single_mass_variant(
+    scene: Scene,
+    rig: Rig,
+    filling: Filling,
+    acceleration: float,
+    frequency: float,
+    settle: int = SETTLE,
+    average: int = AVERAGE,
+    window: tuple[int, int] | None = None,
+) -> SingleMassTotal:
     """Return the energy of the single mass of one filling at one acceleration.
 
     Raises InputError if it bounces too often to be followed.
     """
-    bed = slug(scene, rig, filling)
+    bed = single_mass(scene, rig, filling)
     try:
-        return slug_total(bed, acceleration, frequency, settle, average, window)
+        return single_mass_total(bed, acceleration, frequency, settle, average, window)
     except TooManyEvents as error:
         raise too_many_events(bed) from error
 
@@ -130,7 +138,14 @@ def layers_variant(
         return NOTHING
     try:
         return layers_total(
-            bed.threshold, bed.play, bed.row_mass, bed.restitution, acceleration, frequency, cycles, window
+            bed.threshold,
+            bed.clearance,
+            bed.row_mass,
+            bed.restitution,
+            acceleration,
+            frequency,
+            cycles,
+            window,
         )
     except TooManyEvents as error:
         raise cannot_follow(bed, str(error)) from error
@@ -158,7 +173,9 @@ def as_printed_variant(scene: Scene, rig: Rig, velocity: float) -> float:
     )
     layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
     count = grains_in_row(cavity.length, grains.diameter)
-    return friction + as_printed_collision(layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity)
+    return friction + as_printed_collision(
+        layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity
+    )
 
 
 def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
@@ -166,11 +183,15 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
     acceleration.
     """
     scene, drive = condition.scene, condition.drive
-    if scene.bed == "slug":
-        found = slug_variant(scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency)
-        return _slug_prediction(condition, rig, found)
+    if scene.bed == "single_mass":
+        found = single_mass_variant(
+            scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency
+        )
+        return _single_mass_prediction(condition, rig, found)
     bed = stack(scene, rig, nominal(scene, rig))
-    return _prediction(condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles))
+    return _prediction(
+        condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles)
+    )
 
 
 def predict_about(
@@ -183,11 +204,14 @@ def predict_about(
     numbers can replace.
     """
     scene, drive = condition.scene, condition.drive
-    if scene.bed == "slug":
-        return _slug_about(condition, rig)
+    if scene.bed == "single_mass":
+        return _single_mass_about(condition, rig)
     bed = stack(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
-    totals = [layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition)) for level in levels]
+    totals = [
+        layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition))
+        for level in levels
+    ]
     point = _prediction(condition, rig, bed, totals[LEVELS.index(1.0)])
     return _with_uncertainty(point, levels, totals), _table(levels, totals)
 
@@ -198,7 +222,9 @@ def _window(condition: Condition) -> tuple[int, int]:
     return acquire.settle, acquire.settle + acquire.record
 
 
-def _with_uncertainty(point: Prediction, levels: Sequence[float], totals: Sequence[ModelEnergy]) -> Prediction:
+def _with_uncertainty(
+    point: Prediction, levels: Sequence[float], totals: Sequence[ModelEnergy]
+) -> Prediction:
     """Return a prediction with u_levels and u_settling from levels (m/s^2) about the set one.
 
     u_settling is the root mean square over all levels, because at a single one the few rows may
@@ -243,7 +269,7 @@ def _table(levels: list[float], totals: list[ModelEnergy]) -> dict[str, list[flo
     }
 
 
-def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
+def _single_mass_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
     """Return the prediction and table of a single mass.
 
     Where its orbit jumps between levels, the uncertainty of W_T at the measured level is the error
@@ -251,19 +277,24 @@ def _slug_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, l
     """
     drive, filling, window = condition.drive, nominal(condition.scene, rig), _window(condition)
 
-    def tier(level: float, cycles: tuple[int, int]) -> SlugTotal:
-        return slug_variant(condition.scene, rig, filling, level, drive.frequency, *cycles, window)
+    def tier(level: float, cycles: tuple[int, int]) -> SingleMassTotal:
+        return single_mass_variant(
+            condition.scene, rig, filling, level, drive.frequency, *cycles, window
+        )
 
-    levels = [drive.acceleration * level for level in SLUG_LEVELS]
+    levels = [drive.acceleration * level for level in SINGLE_MASS_LEVELS]
     set_level = len(levels) // 2
-    found = [tier(level, SLUG_AVERAGE) for level in levels]
+    found = [tier(level, SINGLE_MASS_AVERAGE) for level in levels]
     found[set_level] = tier(drive.acceleration, (SETTLE, AVERAGE))
-    totals, point = [one.total for one in found], _slug_prediction(condition, rig, found[set_level])
-    near = slice(set_level - SLUG_REACH - 1, set_level + SLUG_REACH + 2)
+    totals, point = (
+        [one.total for one in found],
+        _single_mass_prediction(condition, rig, found[set_level]),
+    )
+    near = slice(set_level - SINGLE_MASS_REACH - 1, set_level + SINGLE_MASS_REACH + 2)
     return _with_uncertainty(point, levels[near], totals[near]), _table(levels, totals)
 
 
-def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal) -> Prediction:
+def _single_mass_prediction(condition: Condition, rig: Rig, found: SingleMassTotal) -> Prediction:
     scene = condition.scene
     mass = bed_mass(scene, rig.packing_shaken)
     return Prediction(
@@ -274,11 +305,11 @@ def _slug_prediction(condition: Condition, rig: Rig, found: SlugTotal) -> Predic
         W_f=found.total.friction,
         W_c=found.total.collision,
         W_T=found.total.total,
-        W_T_paper=0.0,
+        W_T_as_printed=0.0,
         bound=found.bound,
         period=found.total.period,
         periodic_share=found.total.periodic_share,
-        u_rel=math.hypot(SLUG_ERROR, found.error),
+        u_rel=math.hypot(SINGLE_MASS_ERROR, found.error),
     )
 
 
@@ -295,7 +326,7 @@ def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) 
         W_f=total.friction,
         W_c=total.collision,
         W_T=total.total,
-        W_T_paper=as_printed_variant(scene, rig, velocity),
+        W_T_as_printed=as_printed_variant(scene, rig, velocity),
         bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
         period=total.period,
         periodic_share=total.periodic_share,

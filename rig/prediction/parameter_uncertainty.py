@@ -1,5 +1,5 @@
 """Uncertainty of W_T due to the model's unmeasured parameters: Monte Carlo over friction,
-restitution and play.
+restitution and clearance.
 
 None of them was measured for these grains: the ranges are stated here, rectangular and independent
 of each other (GUM Supplement 1). They matter if the record does not come from this model; a
@@ -39,7 +39,9 @@ STATED: Mapping[str, Stated] = {
     "janssen_ratio": Stated(0.5, 0.9, "K_p, 0.7 within 0.2"),
     "restitution_grains": Stated(0.8, 0.98, "e, 0.9 within 0.1, below 1"),
     "restitution_wall": Stated(0.65, 0.85, "e0, 0.75 within 0.1"),
-    "play": Stated(0.1, 1.25, "c, from what discrete elements give to the paper's own distance and beyond"),
+    "clearance": Stated(
+        0.1, 1.25, "c, from what discrete elements give to the paper's own distance and beyond"
+    ),
 }
 
 
@@ -53,11 +55,13 @@ def model_ratios(condition: Condition, rig: Rig, draws: int = DRAWS) -> tuple[fl
         return None
     ratios = []
     for values in drawn(draws):
-        play = values.pop("play")
-        other = replace(scene, layers=replace(scene.layers, play=play))
+        clearance = values.pop("clearance")
+        other = replace(scene, layers=replace(scene.layers, clearance=clearance))
         chosen = replace(rig, **dict[str, Any](values))
         try:
-            total = total_of(other, chosen, nominal(other, chosen), drive.acceleration, drive.frequency).total
+            total = total_of(
+                other, chosen, nominal(other, chosen), drive.acceleration, drive.frequency
+            ).total
         except InputError:
             return None
         ratios.append(total / point)

@@ -1,6 +1,7 @@
 """Claims in a protocol: the grammar of `expect:`.
 
-An entry has the claim in words, one kind with what it is about, and what the kind needs; margins stand in the protocol:
+An entry has the claim in words, one kind with what it is about, and what the kind needs; margins
+stand in the protocol:
 
     - {claim: ..., optimum: scene.grains.fill, value: 90 %}                  W is largest there (a list: in there)
     - {claim: ..., order: scene.grains.material, values: [alumina, heavy]}   W rises along the list
@@ -9,9 +10,9 @@ An entry has the claim in words, one kind with what it is about, and what the ki
     - {claim: ..., nearly_zero: scene.grains.fill, value: 0 %, full: 90 %, margin: 2 %}    W below the margin of full W
     - {claim: ..., offset_within: [5.5 %, 8.5 %], per: scene.grains.material}              sum W_exp / sum W_T - 1
 
-`at: {path: value or list}` restricts an entry to some conditions; otherwise it is judged at every combination of the
-other fields that vary, or over the mean of ln W along one of them with `over: path`. `imposed: reason` marks a claim
-whose outcome was put in.
+`at: {path: value or list}` restricts an entry to some conditions; otherwise it is judged at every
+combination of the other fields that vary, or over the mean of ln W along one of them with `over:
+path`. `imposed: reason` marks a claim whose outcome was put in.
 """
 
 from __future__ import annotations
@@ -43,7 +44,9 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "optimum": ("value",), "order": ("values",), "rise": ("from", "to"), "fall": ("from", "to"),
     "nearly_zero": ("value", "full"),
 }  # fmt: skip
-"""Kind -> its keys that hold values of the field; the last of them may hold a list where the kind wants one."""
+"""Kind -> its keys that hold values of the field; the last of them may hold a list where the kind
+wants one.
+"""
 
 LISTS = ("optimum", "order")
 MARGINS = {"nonlinear": 0.1, "nearly_zero": 0.02}
@@ -95,7 +98,9 @@ def plain_expect(claim: Expect) -> dict[str, Any]:
 def single_paths() -> Iterator[str]:
     """Every path under scene, drive and acquire of one number or word: no group of fields, no list."""
     for path in paths_of(Protocol):
-        if path.partition(".")[0] in PARTS and not isinstance(shape_at(Protocol, path), Keys | List):
+        if path.partition(".")[0] in PARTS and not isinstance(
+            shape_at(Protocol, path), Keys | List
+        ):
             yield path
 
 
@@ -111,16 +116,27 @@ def _claim(parts: Mapping[str, Any], node: Node, where: str, notes: Notes) -> Ex
         for value in _values(path, parts[key], f"{where}.{key}", notes, listed=kind in LISTS)
     )
     found["at"] = {
-        key: _values(key, item, f"{where}.at.{key}", notes, listed=True) for key, item in parts.get("at", {}).items()
+        key: _values(key, item, f"{where}.at.{key}", notes, listed=True)
+        for key, item in parts.get("at", {}).items()
     }
     if kind == "offset_within":
         found["limits"] = low, high = parts[kind]
         if low >= high:
-            notes.reject(_place(node, kind), f"{where}.{kind}", f"{low:g} to {high:g}", "the lower limit first")
+            notes.reject(
+                _place(node, kind),
+                f"{where}.{kind}",
+                f"{low:g} to {high:g}",
+                "the lower limit first",
+            )
     elif kind in MARGINS:
         found["limits"] = (parts.get("margin", MARGINS[kind]),)
     if kind == "order" and len(found["values"]) == 1:
-        notes.reject(_place(node, "values"), f"{where}.values", "one value", "two or more values, lowest W first")
+        notes.reject(
+            _place(node, "values"),
+            f"{where}.values",
+            "one value",
+            "two or more values, lowest W first",
+        )
     if kind != "optimum" and len(set(found["values"])) < len(found["values"]):
         notes.reject(_place(node, NAMES[kind][0]), where, "a value twice", "different values")
     if len(notes.mistakes) > before:
@@ -139,7 +155,9 @@ def _words(text: str, node: Node, path: str, notes: Notes) -> str:
 
 
 def _values(path: str, node: Node, where: str, notes: Notes, *, listed: bool) -> tuple[Any, ...]:
-    """The values of a field that a claim names: one, or with `listed` one or a list of them; none after a mistake."""
+    """The values of a field that a claim names: one, or with `listed` one or a list of them; none
+    after a mistake.
+    """
     shape = shape_at(Protocol, path)
     many = node if listed and isinstance(node.value, tuple) else Node(node.where, (node,))
     if many.value == ():

@@ -1,4 +1,6 @@
-"""Bad practice on purpose: one well-known mistake of a measurement, so that its report can be studied."""
+"""Bad practice on purpose: one well-known mistake of a measurement, so that its report can be
+studied.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +14,17 @@ AC_CORNER = 0.5
 
 
 @dataclass(frozen=True)
-class BadPractice:
-    """At most one of these mistakes; none by default. The channel table and the predictions know nothing of it.
+class DeliberateError:
+    """At most one of these mistakes; none by default. The channel table and the predictions know
+    nothing of it.
 
-    pole : actual over certified time constant of the accelerometer
-    corners : both channels are AC coupled at 0.5 Hz, the acceleration's corner by this fraction above the force's
-    cycles : W is read over so many cycles, whole or not
-    skew : samples by which the acceleration channel comes late
-    clock : ppm by which the acceleration channel's own clock runs fast
-    coil : the force is taken from the coil's current, BL i in place of the gauge
-    offset : DC at the acceleration's input over the set level; the reading integrates without taking off any mean
-    friction : what the guide takes is read as the bed's
+    pole : actual over certified time constant of the accelerometer corners : both channels are AC
+    coupled at 0.5 Hz, the acceleration's corner by this fraction above the force's cycles : W is
+    read over so many cycles, whole or not skew : samples by which the acceleration channel comes
+    late clock : ppm by which the acceleration channel's own clock runs fast coil : the force is
+    taken from the coil's current, BL i in place of the gauge offset : DC at the acceleration's
+    input over the set level; the reading integrates without taking off any mean friction : what the
+    guide takes is read as the bed's
     """
 
     pole: Annotated[float | None, Quantity("number", 0.0, 100.0, above=True)] = None
@@ -46,4 +48,4 @@ class BadPractice:
         return next(iter(self.kinds), None)
 
 
-NO_MISTAKE = BadPractice()
+NO_DELIBERATE_ERROR = DeliberateError()

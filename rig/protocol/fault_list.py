@@ -1,4 +1,6 @@
-"""The list `faults:` of a protocol: read strictly, written back, and checked against the runs that it is for."""
+"""The list `faults:` of a protocol: read strictly, written back, and checked against the runs that
+it is for.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,10 @@ FAULT_KINDS = get_args(Kind)
 
 def faults_shape() -> List:
     """The shape of `faults`."""
-    return List(Then(keys_of(Fault), _check_size, {"allOf": [_rule(kind) for kind in FAULT_KINDS]}), what="faults")
+    return List(
+        Then(keys_of(Fault), _check_size, {"allOf": [_rule(kind) for kind in FAULT_KINDS]}),
+        what="faults",
+    )
 
 
 def plain_faults(faults: Iterable[Fault]) -> list[dict[str, Any]]:
@@ -37,13 +42,25 @@ def misplaced(protocol: Protocol, conditions: Sequence[Condition], notes: Notes)
         path = f"faults[{number}]"
         if fault.start >= longest:
             allowed = f"before the end of the longest run, {longest} cycles"
-            found.append(Mistake(notes.place_of(f"{path}.start"), f"{path}.start", f"{fault.start:g}", allowed))
+            found.append(
+                Mistake(
+                    notes.place_of(f"{path}.start"), f"{path}.start", f"{fault.start:g}", allowed
+                )
+            )
         if fault.channel in ("current", "voltage") and not exciter:
             allowed = "force, acceleration; current and voltage with acquire.exciter_channels: true"
-            found.append(Mistake(notes.place_of(f"{path}.channel"), f"{path}.channel", fault.channel, allowed))
+            found.append(
+                Mistake(
+                    notes.place_of(f"{path}.channel"), f"{path}.channel", fault.channel, allowed
+                )
+            )
         if fault.repeat is not None and fault.repeat > protocol.repeats.n:
             allowed = f"at most {protocol.repeats.n}, the repeats"
-            found.append(Mistake(notes.place_of(f"{path}.repeat"), f"{path}.repeat", f"{fault.repeat}", allowed))
+            found.append(
+                Mistake(
+                    notes.place_of(f"{path}.repeat"), f"{path}.repeat", f"{fault.repeat}", allowed
+                )
+            )
     return found
 
 
@@ -58,7 +75,9 @@ def _check_size(fault: Fault, node: Node, path: str, notes: Notes) -> Fault:
             notes.reject(entry.where, full, f"{fault.size:g}", f"no size: {fault.kind} has none")
     elif not fault.size or not quantity.holds(fault.size) or (quantity.whole and fault.size % 1):
         what = "whole samples" if quantity.whole else "not 0"
-        notes.reject(entry.where, full, f"{fault.size:g}", f"{quantity.range()}, {what}, for {fault.kind}")
+        notes.reject(
+            entry.where, full, f"{fault.size:g}", f"{quantity.range()}, {what}, for {fault.kind}"
+        )
     return fault
 
 
@@ -66,5 +85,8 @@ def _rule(kind: str) -> dict[str, Any]:
     """What `_check_size` notes, as JSON Schema."""
     then: dict[str, Any] = {"properties": {"size": {"enum": [0, "0"]}}}
     if kind in SIZES:
-        then = {"properties": {"size": {**SIZES[kind].schema({}), "not": {"const": 0}}}, "required": ["size"]}
+        then = {
+            "properties": {"size": {**SIZES[kind].schema({}), "not": {"const": 0}}},
+            "required": ["size"],
+        }
     return {"if": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}, "then": then}

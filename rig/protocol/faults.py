@@ -1,4 +1,6 @@
-"""Faults that a protocol asks for: what happens to which channel, when and how much (docs/acquisition.md)."""
+"""Faults that a protocol asks for: what happens to which channel, when and how much
+(docs/acquisition.md).
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,16 @@ SIZES = {
     "gain_step": Quantity("number", -1.0, 10.0),
     "clock_slip": Quantity("number", 1, 1000, whole=True),
 }
-"""What `size` is of each kind: a share of the range, a relative change, whole samples. Other kinds have none."""
+"""What `size` is of each kind: a share of the range, a relative change, whole samples. Other kinds
+have none.
+"""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault. start, duration: cycles from the drive's start; duration None: to the end of the run (a spike: one
-    sample). repeat: the only repeat of each condition that has it, None for all."""
+    """One fault. start, duration: cycles from the drive's start; duration None: to the end of the
+    run (a spike: one sample). repeat: the only repeat of each condition that has it, None for all.
+    """
 
     kind: Kind
     channel: Recorded

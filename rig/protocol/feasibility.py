@@ -11,8 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from rig.catalog.entries_by_name import IDEAL, analyzer, names, sensors_for, transducer
 from rig.errors import nearest, quote
-from rig.protocol.deliberate_errors import BadPractice
-from rig.protocol.spec import BEDS, BUILT_BEDS, BUILT_MODES, HORIZONTAL_ONLY_BEDS, Acquire, Drive, Protocol, Scene
+from rig.protocol.deliberate_errors import DeliberateError
+from rig.protocol.spec import (
+    BEDS,
+    BUILT_BEDS,
+    BUILT_MODES,
+    HORIZONTAL_ONLY_BEDS,
+    Acquire,
+    Drive,
+    Protocol,
+    Scene,
+)
 
 if TYPE_CHECKING:
     from daq.chain.channel import AnalyzerSpec
@@ -30,7 +39,9 @@ LONGEST_READING = 64
 
 @dataclass(frozen=True)
 class Conflict:
-    """A mistake in values taken together; the first of `paths` is the field to name, the others take part."""
+    """A mistake in values taken together; the first of `paths` is the field to name, the others
+    take part.
+    """
 
     paths: tuple[str, ...]
     found: str
@@ -52,34 +63,48 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
     if scene.bed not in BUILT_BEDS:
         yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
     if drive.mode not in BUILT_MODES:
-        yield Conflict(("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES))
+        yield Conflict(
+            ("drive.mode",), f"the drive {drive.mode}, not built yet", ", ".join(BUILT_MODES)
+        )
     if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
         able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
         waiting = [bed for bed in able if bed not in BUILT_BEDS]
-        beds = f"{', '.join(able)} ({', '.join(waiting)}: not built yet)" if waiting else ", ".join(able)
+        beds = (
+            f"{', '.join(able)} ({', '.join(waiting)}: not built yet)"
+            if waiting
+            else ", ".join(able)
+        )
         found = f"axis {scene.axis} with bed {scene.bed}"
-        yield Conflict(("scene.axis", "scene.bed"), found, f"horizontal for this bed; on this axis the beds {beds}")
-    if scene.bed == "slug":
-        yield from _slug(scene)
+        yield Conflict(
+            ("scene.axis", "scene.bed"),
+            found,
+            f"horizontal for this bed; on this axis the beds {beds}",
+        )
+    if scene.bed == "single_mass":
+        yield from _single_mass(scene)
     if scene.axis != "horizontal" and scene.support == "guide":
         found = f"axis {scene.axis} with support guide, which carries the weight across the drive"
         yield Conflict(("scene.support", "scene.axis"), found, "none or cords on this axis")
 
 
-def _slug(scene: Scene) -> Iterator[Conflict]:
-    slug = scene.slug
-    if scene.axis != "horizontal" and slug.friction > 0.0:
-        found = f"friction {slug.friction:g} on axis {scene.axis}, where the slug lies on no floor along the drive"
-        yield Conflict(("scene.slug.friction", "scene.axis"), found, "0 on this axis")
-    if isinstance(slug.gap, float | int) and slug.start > slug.gap:
-        found = f"a start {slug.start:g} m above the floor"
-        yield Conflict(("scene.slug.start", "scene.slug.gap"), found, f"at most the gap, {slug.gap:g} m")
+def _single_mass(scene: Scene) -> Iterator[Conflict]:
+    single_mass = scene.single_mass
+    if scene.axis != "horizontal" and single_mass.friction > 0.0:
+        found = f"friction {single_mass.friction:g} on axis {scene.axis}, where the single mass lies on no floor along the drive"
+        yield Conflict(("scene.single_mass.friction", "scene.axis"), found, "0 on this axis")
+    if isinstance(single_mass.gap, float | int) and single_mass.start > single_mass.gap:
+        found = f"a start {single_mass.start:g} m above the floor"
+        yield Conflict(
+            ("scene.single_mass.start", "scene.single_mass.gap"),
+            found,
+            f"at most the gap, {single_mass.gap:g} m",
+        )
     along = "length" if scene.axis == "horizontal" else "height"
     room = getattr(scene.cavity, along)
-    if isinstance(slug.gap, float | int) and slug.gap >= room:
-        found = f"a gap of {slug.gap:g} m in a cavity of {along} {room:g} m"
+    if isinstance(single_mass.gap, float | int) and single_mass.gap >= room:
+        found = f"a gap of {single_mass.gap:g} m in a cavity of {along} {room:g} m"
         allowed = "less than the cavity along the axis, or none"
-        yield Conflict(("scene.slug.gap", f"scene.cavity.{along}"), found, allowed)
+        yield Conflict(("scene.single_mass.gap", f"scene.cavity.{along}"), found, allowed)
 
 
 def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
@@ -88,7 +113,11 @@ def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
         ("scene.grains.material", scene.grains.material, names("material")),
         ("acquire.analyzer", acquire.analyzer, (*names("analyzer"), IDEAL)),
         ("acquire.sensors.force", sensors.force, (*sensors_for("force"), IDEAL)),
-        ("acquire.sensors.acceleration", sensors.acceleration, (*sensors_for("acceleration"), IDEAL)),
+        (
+            "acquire.sensors.acceleration",
+            sensors.acceleration,
+            (*sensors_for("acceleration"), IDEAL),
+        ),
         ("acquire.sensors.current", sensors.current, (*sensors_for("current"), IDEAL)),
         ("acquire.sensors.voltage", sensors.voltage, (*sensors_for("voltage"), IDEAL)),
     ):
@@ -102,7 +131,9 @@ def _box(scene: Scene) -> Iterator[Conflict]:
     cavity_paths = ("scene.cavity.length", "scene.cavity.width", "scene.cavity.height")
     if grains.diameter >= smallest:
         found = f"grains of {grains.diameter:g} m in a cavity of {smallest:g} m"
-        yield Conflict(("scene.grains.diameter", *cavity_paths), found, "grains smaller than the cavity")
+        yield Conflict(
+            ("scene.grains.diameter", *cavity_paths), found, "grains smaller than the cavity"
+        )
         return
     if scene.bed != "layers" or grains.fill == 0.0:
         return
@@ -110,7 +141,9 @@ def _box(scene: Scene) -> Iterator[Conflict]:
     paths = ("scene.grains.diameter", "scene.grains.fill", "scene.cavity.height")
     if layers < 1:
         found = f"a fill of {grains.fill * cavity.height:g} m, less than half a layer of {grains.diameter:g} m grains"
-        yield Conflict(("scene.grains.fill", *paths), found, "0, or at least half a layer of grains")
+        yield Conflict(
+            ("scene.grains.fill", *paths), found, "0, or at least half a layer of grains"
+        )
     elif layers > MOST_LAYERS:
         yield Conflict(paths, f"{layers} layers of grains", f"at most {MOST_LAYERS} layers")
     elif layers * scene.layers.rows > MOST_ROWS:
@@ -119,12 +152,18 @@ def _box(scene: Scene) -> Iterator[Conflict]:
 
 
 def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    path, paths = "acquire.samples_per_cycle", ("acquire.analyzer", "drive.frequency", "drive.sweep_to")
+    path, paths = (
+        "acquire.samples_per_cycle",
+        ("acquire.analyzer", "drive.frequency", "drive.sweep_to"),
+    )
     wanted = acquire.samples_per_cycle
-    if wanted < LEAST_SAMPLES and not acquire.allow_undersampled:
-        hint = "set acquire.allow_undersampled: true to go below"
+    if wanted < LEAST_SAMPLES and acquire.paper_rule:
+        hint = "set acquire.paper_rule: false to go below"
         yield Conflict(
-            (path, "acquire.allow_undersampled"), f"{wanted}", f"at least {LEAST_SAMPLES} samples per cycle", hint
+            (path, "acquire.paper_rule"),
+            f"{wanted}",
+            f"at least {LEAST_SAMPLES} samples per cycle",
+            hint,
         )
     spec = _known_analyzer(acquire.analyzer)
     if spec is None:
@@ -137,11 +176,19 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
         return
     actual = spec.rate_for(drive.fastest, wanted) / drive.frequency
     if actual > MOST_SAMPLES_PER_CYCLE:
-        found = f"{drive.frequency:g} Hz, {actual:.4g} samples per cycle at the analyzer's slowest rate"
-        yield Conflict(("drive.frequency", *paths), found, f"at most {MOST_SAMPLES_PER_CYCLE} samples per cycle")
+        found = (
+            f"{drive.frequency:g} Hz, {actual:.4g} samples per cycle at the analyzer's slowest rate"
+        )
+        yield Conflict(
+            ("drive.frequency", *paths),
+            found,
+            f"at most {MOST_SAMPLES_PER_CYCLE} samples per cycle",
+        )
     elif actual * (acquire.settle + acquire.record) > MOST_SAMPLES:
         found = f"{actual * (acquire.settle + acquire.record):.4g} samples in a run"
-        yield Conflict(("acquire.record", "acquire.settle", path, *paths), found, f"at most {MOST_SAMPLES}")
+        yield Conflict(
+            ("acquire.record", "acquire.settle", path, *paths), found, f"at most {MOST_SAMPLES}"
+        )
 
 
 def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
@@ -149,19 +196,29 @@ def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     if drive.sweep_to is None:
         return
     found = f"a sweep to {drive.sweep_to:g} Hz"
-    if drive.mode != "coupled":
-        yield Conflict(("drive.sweep_to", "drive.mode"), f"{found} in {drive.mode} drive", "drive.mode: coupled")
+    if drive.mode != "shaker":
+        yield Conflict(
+            ("drive.sweep_to", "drive.mode"), f"{found} in {drive.mode} drive", "drive.mode: shaker"
+        )
     elif drive.control != "open":
         allowed = "drive.control: open (no level is held through a resonance)"
         yield Conflict(("drive.sweep_to", "drive.control"), f"{found} under level control", allowed)
     if drive.sweep_to == drive.frequency:
-        yield Conflict(("drive.sweep_to", "drive.frequency"), f"{found} from the same", "another frequency, or null")
+        yield Conflict(
+            ("drive.sweep_to", "drive.frequency"),
+            f"{found} from the same",
+            "another frequency, or null",
+        )
     if acquire.trigger.channel != "none":
         allowed = "acquire.trigger.channel: none (the sweep starts behind the settling)"
-        yield Conflict(("drive.sweep_to", "acquire.trigger.channel"), f"{found} started by a trigger", allowed)
+        yield Conflict(
+            ("drive.sweep_to", "acquire.trigger.channel"), f"{found} started by a trigger", allowed
+        )
     if acquire.record < LEAST_SWEEP:
         allowed = f"at least {LEAST_SWEEP} cycles"
-        yield Conflict(("acquire.record", "drive.sweep_to"), f"{found} in {acquire.record} cycles", allowed)
+        yield Conflict(
+            ("acquire.record", "drive.sweep_to"), f"{found} in {acquire.record} cycles", allowed
+        )
 
 
 def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
@@ -170,24 +227,40 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     for name in (item.name for item in fields(acquire.coupling)):
         sensor, coupling = getattr(acquire.sensors, name), getattr(acquire.coupling, name)
         path = f"acquire.coupling.{name}"
-        if coupling == "IEPE" and sensor in sensors_for(name) and transducer(sensor).clips_at is None:
+        if (
+            coupling == "IEPE"
+            and sensor in sensors_for(name)
+            and transducer(sensor).clips_at is None
+        ):
             found = f"IEPE for {sensor}, which has no amplifier to feed"
             yield Conflict((path, f"acquire.sensors.{name}"), found, "DC or AC")
         if coupling != "DC" and spec is not None and drive.frequency < spec.ac_corner:
             found = f"{coupling} with a drive at {drive.frequency:g} Hz"
-            yield Conflict((path, "drive.frequency"), found, f"DC below the coupling's corner, {spec.ac_corner:g} Hz")
+            yield Conflict(
+                (path, "drive.frequency"),
+                found,
+                f"DC below the coupling's corner, {spec.ac_corner:g} Hz",
+            )
     if acquire.trigger.channel in ("current", "voltage") and not acquire.exciter_channels:
-        allowed = "none, force, acceleration; current and voltage with acquire.exciter_channels: true"
-        yield Conflict(("acquire.trigger.channel", "acquire.exciter_channels"), acquire.trigger.channel, allowed)
+        allowed = (
+            "none, force, acceleration; current and voltage with acquire.exciter_channels: true"
+        )
+        yield Conflict(
+            ("acquire.trigger.channel", "acquire.exciter_channels"),
+            acquire.trigger.channel,
+            allowed,
+        )
     for name in (item.name for item in fields(acquire.ranges)):
         volts = getattr(acquire.ranges, name)
-        if volts == "auto" and drive.mode == "coupled":
-            found = "auto in coupled drive, where no look ahead is made"
+        if volts == "auto" and drive.mode == "shaker":
+            found = "auto in shaker-coupled drive, where no look ahead is made"
             yield Conflict((f"acquire.ranges.{name}", "drive.mode"), found, "a range in V")
         if spec is not None and isinstance(volts, float) and volts not in spec.ranges:
             known = ", ".join(f"{value:g} V" for value in spec.ranges)
             path = f"acquire.ranges.{name}"
-            yield Conflict((path, "acquire.analyzer"), f"a range of {volts:g} V", f"{known}, or auto")
+            yield Conflict(
+                (path, "acquire.analyzer"), f"a range of {volts:g} V", f"{known}, or auto"
+            )
 
 
 @cache
@@ -205,24 +278,40 @@ def unfit(protocol: Protocol) -> Iterator[Conflict]:
         if protocol.tolerance is not None:
             found = f"{protocol.tolerance:g} with fidelity {protocol.fidelity}"
             yield Conflict(
-                ("tolerance", "fidelity"), found, "a tolerance with fidelity: auto only", "add fidelity: auto"
+                ("tolerance", "fidelity"),
+                found,
+                "a tolerance with fidelity: auto only",
+                "add fidelity: auto",
             )
         return
     for axis in protocol.vary:
         for column, path in enumerate(axis.paths):
             parts = [name[len(path) + 1 :] for name in FOUND if f"{name}.".startswith(f"{path}.")]
-            kept = {tuple(attrgetter(part)(row[column]) for part in parts if part) for row in axis.rows}
+            kept = {
+                tuple(attrgetter(part)(row[column]) for part in parts if part) for row in axis.rows
+            }
             if "" in parts or len(kept) > 1:
                 found = f"{path} varied with fidelity auto, which finds {' and '.join(FOUND)}"
-                yield Conflict((path, "fidelity"), found, "an axis over other fields, or fidelity: as_written")
-    modes = {protocol.drive.mode, *(value for path, value in _varied(protocol) if path == "drive.mode")}
+                yield Conflict(
+                    (path, "fidelity"), found, "an axis over other fields, or fidelity: as_written"
+                )
+    modes = {
+        protocol.drive.mode,
+        *(value for path, value in _varied(protocol) if path == "drive.mode"),
+    }
     modes |= {value.mode for path, value in _varied(protocol) if path == "drive"}
-    for mode in sorted(modes - {"servo"}):
+    for mode in sorted(modes - {"prescribed"}):
         found = f"the drive {mode} with fidelity auto, which looks at beds in a programmed motion"
-        yield Conflict(("drive.mode", "fidelity"), found, "servo, or fidelity: as_written")
-    if protocol.mistake.cycles is not None:
-        found = "a mistake in the cycles that are read, with fidelity auto, which finds acquire.record"
-        yield Conflict(("mistake.cycles", "fidelity"), found, "another mistake, or fidelity: as_written")
+        yield Conflict(("drive.mode", "fidelity"), found, "prescribed, or fidelity: as_written")
+    if protocol.deliberate_error.cycles is not None:
+        found = (
+            "a mistake in the cycles that are read, with fidelity auto, which finds acquire.record"
+        )
+        yield Conflict(
+            ("deliberate_error.cycles", "fidelity"),
+            found,
+            "another mistake, or fidelity: as_written",
+        )
 
 
 def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
@@ -232,25 +321,48 @@ def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
             yield from zip(axis.paths, row, strict=True)
 
 
-def misfits(practice: BadPractice, scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+def misfits(
+    practice: DeliberateError, scene: Scene, drive: Drive, acquire: Acquire
+) -> Iterator[Conflict]:
     """Everything that keeps a deliberate mistake from being made in this condition."""
     if len(practice.kinds) > 1:
-        yield Conflict(("mistake",), " and ".join(practice.kinds), "one mistake at most")
-    if practice.kind is not None and drive.mode == "coupled":
-        found = f"the mistake {practice.kind} in coupled drive"
-        yield Conflict(("mistake", "drive.mode"), found, "drive.mode: servo, where its rule holds")
+        yield Conflict(("deliberate_error",), " and ".join(practice.kinds), "one mistake at most")
+    if practice.kind is not None and drive.mode == "shaker":
+        found = f"the mistake {practice.kind} in shaker-coupled drive"
+        yield Conflict(
+            ("deliberate_error", "drive.mode"),
+            found,
+            "drive.mode: prescribed, where its rule holds",
+        )
     sensor = acquire.sensors.acceleration
     known = sensor in sensors_for("acceleration")
-    if practice.pole is not None and (sensor == IDEAL or (known and transducer(sensor).time_constant is None)):
+    if practice.pole is not None and (
+        sensor == IDEAL or (known and transducer(sensor).time_constant is None)
+    ):
         found = f"a pole of {sensor}, which has none"
-        yield Conflict(("mistake.pole", "acquire.sensors.acceleration"), found, "a sensor with a time constant")
-    if practice.cycles is not None and not math.ceil(practice.cycles) <= acquire.record <= LONGEST_READING:
+        yield Conflict(
+            ("deliberate_error.pole", "acquire.sensors.acceleration"),
+            found,
+            "a sensor with a time constant",
+        )
+    if (
+        practice.cycles is not None
+        and not math.ceil(practice.cycles) <= acquire.record <= LONGEST_READING
+    ):
         allowed = f"acquire.record from the next whole number of cycles to {LONGEST_READING} cycles"
-        yield Conflict(("mistake.cycles", "acquire.record"), f"{practice.cycles:g} of {acquire.record} cycles", allowed)
+        yield Conflict(
+            ("deliberate_error.cycles", "acquire.record"),
+            f"{practice.cycles:g} of {acquire.record} cycles",
+            allowed,
+        )
     if practice.corners is not None and acquire.exciter_channels:
         found = "force and acceleration AC coupled beside the exciter's channels"
-        yield Conflict(("mistake.corners", "acquire.exciter_channels"), found, "acquire.exciter_channels: false")
+        yield Conflict(
+            ("deliberate_error.corners", "acquire.exciter_channels"),
+            found,
+            "acquire.exciter_channels: false",
+        )
     if practice.friction and not ("mount" in scene.losses and scene.support == "guide"):
         found = f"losses {', '.join(scene.losses) or 'none'} on support {scene.support}"
-        paths = ("mistake.friction", "scene.losses", "scene.support")
+        paths = ("deliberate_error.friction", "scene.losses", "scene.support")
         yield Conflict(paths, found, "the loss mount on the support guide")

@@ -1,5 +1,5 @@
-"""JSON Schema of a protocol. What hangs on several fields at once (levels in the grid, fits of bed and axis) or on the
-size of a text's number beyond its sign is left to `rig check`."""
+"""JSON Schema of a protocol. What hangs on several fields at once (levels in the grid, fits of bed
+and axis) or on the size of a text's number beyond its sign is left to `rig check`."""
 
 from __future__ import annotations
 
@@ -14,4 +14,6 @@ from rig.protocol.vary import Axes
 
 def protocol_schema() -> dict[str, Any]:
     """The schema of a protocol file."""
-    return document_schema(protocol_shape(Path(), Axes()), f"Protocol of the particle-damper rig, {SCHEMA}")
+    return document_schema(
+        protocol_shape(Path(), Axes()), f"Protocol of the particle-damper rig, {SCHEMA}"
+    )

@@ -1,4 +1,6 @@
-"""Protocols: YAML to a frozen Protocol and back, strictly. Every mistake of a file is reported at once."""
+"""Protocols: YAML to a frozen Protocol and back, strictly. Every mistake of a file is reported at
+once.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ from rig.documents.yaml_writer import write_yaml
 from rig.errors import InputError, Mistake, in_order, quote
 from rig.protocol import shipped
 from rig.protocol.claims import expect_shape, plain_expect
-from rig.protocol.deliberate_errors import BadPractice
+from rig.protocol.deliberate_errors import DeliberateError
 from rig.protocol.fault_list import faults_shape, misplaced, plain_faults
 from rig.protocol.grid import Row, expand
 from rig.protocol.overrides import edited
@@ -29,12 +31,16 @@ from rig.protocol.spec import SCHEMA, Protocol, Repeats
 from rig.protocol.vary import PARTS, Axes, axes_shape, plain_axes
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
-_NAMING = "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
+_NAMING = (
+    "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
+)
 
 
 @dataclass(frozen=True)
 class LoadedProtocol:
-    """A protocol, the text it was written as (before any change from the command line) and its file, if any."""
+    """A protocol, the text it was written as (before any change from the command line) and its
+    file, if any.
+    """
 
     protocol: Protocol
     text: str
@@ -42,21 +48,28 @@ class LoadedProtocol:
 
 
 def load_protocol(
-    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    source: str | Path,
+    sets: Sequence[str] = (),
+    varies: Sequence[str] = (),
+    seed: int | None = None,
     rig: str | None = None,
-) -> Protocol:  # fmt: skip
-    """The protocol of a file, of a shipped name (`fill_rate`), or of a text (several lines, or a brace first).
+) -> Protocol:
+    """The protocol of a file, of a shipped name (`fill_rate`), or of a text (several lines, or a
+    brace first).
 
-    `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]"; `seed` and `rig`
-    replace the protocol's. Raises InputError with every mistake in it.
+    `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]";
+    `seed` and `rig` replace the protocol's. Raises InputError with every mistake in it.
     """
     return read_protocol(source, sets, varies, seed, rig).protocol
 
 
 def read_protocol(
-    source: str | Path, sets: Sequence[str] = (), varies: Sequence[str] = (), seed: int | None = None,
+    source: str | Path,
+    sets: Sequence[str] = (),
+    varies: Sequence[str] = (),
+    seed: int | None = None,
     rig: str | None = None,
-) -> LoadedProtocol:  # fmt: skip
+) -> LoadedProtocol:
     """As load_protocol, with the verbatim text and the file beside the protocol."""
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
         path, text, name = None, source, "protocol"
@@ -80,10 +93,14 @@ def _no_file(source: str) -> InputError:
 
 
 def dump_protocol(protocol: Protocol) -> str:
-    """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal protocol."""
+    """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal
+    protocol.
+    """
     data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
     data["question"] = protocol.question
-    data |= {name: plain(keys_of(Protocol).every()[name], getattr(protocol, name)) for name in PARTS}
+    data |= {
+        name: plain(keys_of(Protocol).every()[name], getattr(protocol, name)) for name in PARTS
+    }
     data["vary"] = plain_axes(protocol.vary)
     data["repeats"] = plain(keys_of(Repeats), protocol.repeats)
     data |= {
@@ -95,9 +112,9 @@ def dump_protocol(protocol: Protocol) -> str:
         data["fidelity"] = protocol.fidelity
     if protocol.tolerance is not None:
         data["tolerance"] = protocol.tolerance
-    made = plain(keys_of(BadPractice), protocol.mistake)
-    if protocol.mistake.kinds:
-        data["mistake"] = {kind: made[kind] for kind in protocol.mistake.kinds}
+    made = plain(keys_of(DeliberateError), protocol.deliberate_error)
+    if protocol.deliberate_error.kinds:
+        data["deliberate_error"] = {kind: made[kind] for kind in protocol.deliberate_error.kinds}
     return write_yaml(data)
 
 
@@ -120,7 +137,9 @@ def protocol_shape(folder: Path, axes: Axes) -> Keys:
     return replace(
         whole,
         required={"name": name, "schema": one_of(SCHEMA)},
-        optional={key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"},
+        optional={
+            key: others.get(key, shape) for key, shape in whole.optional.items() if key != "schema"
+        },
         standing_in={"name": "", "schema": ""},
     )
 
@@ -150,7 +169,9 @@ def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
 
 def _spread(failed: set[str]) -> frozenset[str]:
     """Failed paths and every path below them: none of those values is the user's."""
-    below = (path for path in paths_of(Protocol) if any(path.startswith(f"{top}.") for top in failed))
+    below = (
+        path for path in paths_of(Protocol) if any(path.startswith(f"{top}.") for top in failed)
+    )
     return frozenset(failed.union(below))
 
 

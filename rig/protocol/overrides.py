@@ -11,9 +11,15 @@ from rig.protocol.vary import ZIP
 
 
 def edited(
-    root: Node, sets: Sequence[str], varies: Sequence[str], seed: int | None = None, rig: str | None = None
+    root: Node,
+    sets: Sequence[str],
+    varies: Sequence[str],
+    seed: int | None = None,
+    rig: str | None = None,
 ) -> Node:
-    """The tree with every change made; a value that is set is no longer varied. Raises InputError for the forms."""
+    """The tree with every change made; a value that is set is no longer varied. Raises InputError
+    for the forms.
+    """
     root = _with_repeats_as_mapping(root)
     mistakes: list[Mistake] = []
     for option, changes in (("--set", sets), ("--vary", varies)):
@@ -58,10 +64,16 @@ def _put(node: Node, names: Sequence[str], value: Node) -> Node:
     """The tree with a value at a path; mappings on the way that nobody wrote are made."""
     name, *rest = names
     if node.value is not None and not isinstance(node.value, dict):
-        raise InputError(Mistake(value.where, "", f"a path through {describe(node)}", "a path through mappings"))
+        raise InputError(
+            Mistake(value.where, "", f"a path through {describe(node)}", "a path through mappings")
+        )
     entries = dict(node.value or {})
     entries[name] = _put(entries.get(name, Node(value.where, {})), rest, value) if rest else value
-    return Node(node.where, entries, key_places={**node.key_places, name: node.key_places.get(name, value.where)})
+    return Node(
+        node.where,
+        entries,
+        key_places={**node.key_places, name: node.key_places.get(name, value.where)},
+    )
 
 
 def _varied(root: Node, path: str, value: Node) -> Node:
@@ -94,7 +106,9 @@ def _without(node: Node, names: Sequence[str]) -> Node:
 def _axes(root: Node) -> Iterator[tuple[str, ...]]:
     """The key path of every axis: ("vary", path) or ("vary", "zip", path)."""
     vary = root.value.get("vary") if isinstance(root.value, dict) else None
-    for key, node in vary.value.items() if vary is not None and isinstance(vary.value, dict) else ():
+    for key, node in (
+        vary.value.items() if vary is not None and isinstance(vary.value, dict) else ()
+    ):
         if ZIP.fullmatch(key) and isinstance(node.value, dict):
             yield from (("vary", key, path) for path in node.value)
         else:

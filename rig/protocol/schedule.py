@@ -14,7 +14,9 @@ BLOCK = 16384
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a condition, its repeat (from 1) and its place in the randomised order of execution (from 1)."""
+    """One run: a condition, its repeat (from 1) and its place in the randomised order of execution
+    (from 1).
+    """
 
     name: str
     condition: Condition
@@ -24,7 +26,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Lengths:
-    """A run's record: output rate in Hz, samples per channel before and in all, and the sizes of its blocks."""
+    """A run's record: output rate in Hz, samples per channel before and in all, and the sizes of
+    its blocks.
+    """
 
     rate: float
     settle: int
@@ -33,10 +37,16 @@ class Lengths:
 
 
 def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]:
-    """Every condition x repeat, named in the order written; the order of execution is drawn from the seed."""
+    """Every condition x repeat, named in the order written; the order of execution is drawn from
+    the seed.
+    """
     count = len(conditions) * protocol.repeats.n
     order = stream(protocol.seed, "order").permutation(count) + 1
-    pairs = [(condition, repeat) for condition in conditions for repeat in range(1, protocol.repeats.n + 1)]
+    pairs = [
+        (condition, repeat)
+        for condition in conditions
+        for repeat in range(1, protocol.repeats.n + 1)
+    ]
     return tuple(
         Run(f"run_{number:04d}", condition, repeat, int(order[number - 1]))
         for number, (condition, repeat) in enumerate(pairs, start=1)
@@ -44,8 +54,8 @@ def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]
 
 
 def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -> Lengths:
-    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle that were asked for; a
-    cycle more where a trigger starts the record anywhere in one."""
+    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle
+    that were asked for; a cycle more where a trigger starts the record anywhere in one."""
     acquire, drive = condition.acquire, condition.drive
     rate = analyzer.rate_for(drive.fastest, acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency

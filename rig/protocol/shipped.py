@@ -10,8 +10,8 @@ _PACKAGE = Path(__file__).parents[1]
 
 
 def folder() -> Path:
-    """Return the folder of the shipped protocols: inside the package where it is installed, at the top of a checkout
-    otherwise (setup.py)."""
+    """Return the folder of the shipped protocols: inside the package where it is installed, at the
+    top of a checkout otherwise (setup.py)."""
     installed = _PACKAGE / "protocols"
     return installed if installed.is_dir() else _PACKAGE.parent / "protocols"
 
@@ -19,11 +19,15 @@ def folder() -> Path:
 def names() -> list[str]:
     """Return the names of all shipped protocols, `gallery/skew` for one in a folder."""
     place = folder()
-    return sorted(path.relative_to(place).with_suffix("").as_posix() for path in place.rglob("*.yaml"))
+    return sorted(
+        path.relative_to(place).with_suffix("").as_posix() for path in place.rglob("*.yaml")
+    )
 
 
 def protocol_path(source: str | Path) -> Path:
-    """Return the file that a protocol is asked for by: a file's own path comes first, then a shipped name."""
+    """Return the file that a protocol is asked for by: a file's own path comes first, then a
+    shipped name.
+    """
     name = str(source)
     if not os.path.isfile(name) and name in names():
         return folder() / f"{name}.yaml"
@@ -31,6 +35,13 @@ def protocol_path(source: str | Path) -> Path:
 
 
 def hint(name: str) -> str:
-    """Return the hint for a file that is not there: the shipped protocol of this or the nearest name, or ""."""
-    bare = name.replace("\\", "/").removeprefix("protocols/").removesuffix(".yaml").removesuffix(".yml")
+    """Return the hint for a file that is not there: the shipped protocol of this or the nearest
+    name, or "".
+    """
+    bare = (
+        name.replace("\\", "/")
+        .removeprefix("protocols/")
+        .removesuffix(".yaml")
+        .removesuffix(".yml")
+    )
     return new_name(bare, names(), FORMER_PROTOCOLS) or nearest(bare, names())

@@ -1,4 +1,6 @@
-"""The grid's axes in a protocol's tree: one path with its values, or under `zip` several that vary together."""
+"""The grid's axes in a protocol's tree: one path with its values, or under `zip` several that vary
+together.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from rig.protocol.spec import Protocol, Vary
 
 PARTS = ("scene", "drive", "acquire")
 ZIP = re.compile(r"zip(\.\w+)?")
-"""The keys of `vary` that hold paths which vary together; several groups read zip, zip.2, zip.ends and so on."""
+"""The keys of `vary` that hold paths which vary together; several groups read zip, zip.2, zip.ends
+and so on.
+"""
 
 NAMES = f"the path of a field under {', '.join(PARTS)}, such as scene.grains.fill"
 
@@ -50,7 +54,9 @@ class Field:
 
 
 def axes_shape(axes: Axes) -> Then:
-    """The shape of `vary`, read into a tuple of axes, which are added to `axes` with the places of their values."""
+    """The shape of `vary`, read into a tuple of axes, which are added to `axes` with the places of
+    their values.
+    """
     told = "The grid: every combination of the values, the last axis fastest."
     return Then(_lists(), partial(_read_axes, axes), {"description": told, "default": {}})
 
@@ -62,7 +68,9 @@ def _lists() -> Keys:
         for path in paths_of(Protocol)
         if path.partition(".")[0] in PARTS
     }
-    together = Keys({}, lists, closed=True, names=NAMES, what="a mapping of paths to lists of equal length")
+    together = Keys(
+        {}, lists, closed=True, names=NAMES, what="a mapping of paths to lists of equal length"
+    )
     groups = {ZIP.pattern: Then(together, _not_empty, {"minProperties": 1})}
     return replace(together, groups=groups, what="a mapping of paths to lists of values")
 
@@ -72,7 +80,10 @@ def plain_axes(axes: Iterable[Vary]) -> dict[str, Any]:
     data: dict[str, Any] = {}
     groups = 0
     for axis in axes:
-        lists = {path: plain_values(path, (row[n] for row in axis.rows)) for n, path in enumerate(axis.paths)}
+        lists = {
+            path: plain_values(path, (row[n] for row in axis.rows))
+            for n, path in enumerate(axis.paths)
+        }
         if len(lists) == 1:
             data |= lists
         else:
@@ -93,28 +104,45 @@ def _not_empty(lists: Mapping[str, Any], node: Node, path: str, notes: Notes) ->
     return lists
 
 
-def _read_axes(axes: Axes, values: Mapping[str, Any], node: Node, path: str, notes: Notes) -> tuple[Vary, ...]:
-    """Every axis in the order written; what does not fit together is noted, its paths as failed, and left out."""
+def _read_axes(
+    axes: Axes, values: Mapping[str, Any], node: Node, path: str, notes: Notes
+) -> tuple[Vary, ...]:
+    """Every axis in the order written; what does not fit together is noted, its paths as failed,
+    and left out.
+    """
     assert isinstance(node.value, dict)
     for key, entry in node.value.items():
         if not ZIP.fullmatch(key):
-            _add({key: entry}, {key: values[key]} if key in values else {}, node.key_places, path, notes, axes)
+            _add(
+                {key: entry},
+                {key: values[key]} if key in values else {},
+                node.key_places,
+                path,
+                notes,
+                axes,
+            )
         elif isinstance(entry.value, dict) and key in values:
             _add(entry.value, values[key], entry.key_places, f"{path}.{key}", notes, axes)
     return tuple(axes.axes)
 
 
 def _add(
-    lists: Mapping[str, Node], columns: Mapping[str, tuple[Any, ...]], key_places: Mapping[str, str], owner: str,
-    notes: Notes, axes: Axes,
-) -> None:  # fmt: skip
+    lists: Mapping[str, Node],
+    columns: Mapping[str, tuple[Any, ...]],
+    key_places: Mapping[str, str],
+    owner: str,
+    notes: Notes,
+    axes: Axes,
+) -> None:
     notes.failed.update(lists.keys() - columns.keys())
     seen = list(axes.places)
     for path in columns:
         for other in seen:
             if f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}."):
                 found = f"{path} beside {other}"
-                notes.reject(key_places[path], f"{owner}.{path}", found, "every field in one axis only")
+                notes.reject(
+                    key_places[path], f"{owner}.{path}", found, "every field in one axis only"
+                )
                 notes.failed.add(path)
         seen.append(path)
     if len({len(values) for values in columns.values()}) > 1:
@@ -124,4 +152,6 @@ def _add(
     if len(columns) == len(lists) and not notes.failed.intersection(columns):
         axes.axes.append(Vary(tuple(columns), tuple(zip(*columns.values(), strict=True))))
         for path, node in lists.items():
-            axes.places[path] = [item.where for item in node.value] if isinstance(node.value, tuple) else []
+            axes.places[path] = (
+                [item.where for item in node.value] if isinstance(node.value, tuple) else []
+            )

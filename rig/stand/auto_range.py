@@ -36,7 +36,9 @@ def auto_ranged(
     for condition in conditions:
         drive, rate = condition.drive, rates[condition.id]
         motion = Waveform(drive.frequency, drive.acceleration)
-        stand = Stand(condition.scene, rig, motion, nominal(condition.scene, rig), OVERSAMPLING * rate)
+        stand = Stand(
+            condition.scene, rig, motion, nominal(condition.scene, rig), OVERSAMPLING * rate
+        )
         found = filtered_peaks(stand, round(AHEAD * rate / drive.frequency))
         for name, peak in zip(stand.names, found, strict=True):
             peaks[name] = max(peaks.get(name, 0.0), float(peak))

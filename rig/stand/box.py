@@ -28,5 +28,7 @@ def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
         air=rig.loss_air if "air" in scene.losses else 0.0,
         gas=gas,
         guide=guide_force(rig.guide_friction, mass, rig.gravity) if mount == "guide" else 0.0,
-        cords=cord_coefficient(rig.cord_loss_factor, rig.cord_frequency, mass) if mount == "cords" else 0.0,
+        cords=cord_coefficient(rig.cord_loss_factor, rig.cord_frequency, mass)
+        if mount == "cords"
+        else 0.0,
     )

@@ -54,7 +54,9 @@ class Instruments:
 
     def table(self, rate: float, filter_delay: float) -> tuple[ChannelInfo, ...]:
         """Return the channel table of the session file: certified values only."""
-        return tuple(channel_info(channel, self.analyzer, rate, filter_delay) for channel in self.channels)
+        return tuple(
+            channel_info(channel, self.analyzer, rate, filter_delay) for channel in self.channels
+        )
 
 
 def instruments(conditions: Sequence[Condition], rig: Rig, seed: int) -> Instruments:
@@ -107,7 +109,10 @@ def drawn_exciter(exciter: Exciter, rng: np.random.Generator) -> Exciter:
     factors = [math.exp(error) for error in errors]
     return replace(
         exciter,
-        **{name: getattr(exciter, name) * factor for name, factor in zip(known, factors, strict=True)},
+        **{
+            name: getattr(exciter, name) * factor
+            for name, factor in zip(known, factors, strict=True)
+        },
     )
 
 

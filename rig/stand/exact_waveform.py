@@ -36,9 +36,13 @@ def taken_by_bed(account: dict[str, float]) -> float:
     return sum(account[name] for name in (*IN_BED, "dKE_bed"))
 
 
-def exact_energy(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, acquire: Acquire) -> float:
+def exact_energy(
+    scene: Scene, rig: Rig, motion: Waveform, filling: Filling, acquire: Acquire
+) -> float:
     """Return the energy, J per cycle, that a filling receives in the recorded cycles on an exact
     sine of equal level.
     """
     exact = Waveform(motion.frequency, level(motion))
-    return taken_by_bed(account_of(Stand(scene, rig, exact, filling, EDGES * motion.frequency), acquire))
+    return taken_by_bed(
+        account_of(Stand(scene, rig, exact, filling, EDGES * motion.frequency), acquire)
+    )

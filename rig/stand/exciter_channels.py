@@ -41,7 +41,9 @@ class WithExciter:
         chunk = self._stand.advance()
         n = chunk.shape[1]
         jw = 2j * np.pi * np.fft.rfftfreq(n, 1.0 / self.rate)
-        inside = slice(1, 1 + np.count_nonzero(np.abs(jw[1:]) <= 2.0 * np.pi * solvable_band(self._exciter)))
+        inside = slice(
+            1, 1 + np.count_nonzero(np.abs(jw[1:]) <= 2.0 * np.pi * solvable_band(self._exciter))
+        )
         pull, motion = (np.fft.rfft(row)[inside] for row in chunk)
         # Displacement from acceleration: x = a/(jw)^2.
         asked = need(self._exciter, pull, motion / jw[inside] ** 2, jw[inside])

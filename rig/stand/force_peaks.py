@@ -32,7 +32,13 @@ def use_of(rig: Rig, stand: Stand) -> Demand:
     """Return the utilisation of the exciter in the recorded band by the latest cycles of a stand at
     the oversampled rate.
     """
-    return demand(rig.exciter, stand.latest_force, stand.rate, stand.motion, PASS_BAND * stand.rate / OVERSAMPLING)
+    return demand(
+        rig.exciter,
+        stand.latest_force,
+        stand.rate,
+        stand.motion,
+        PASS_BAND * stand.rate / OVERSAMPLING,
+    )
 
 
 def with_peaks_of(use: Demand, other: Demand) -> Demand:

@@ -82,8 +82,14 @@ def _moments(bed: Stack, motion: Waveform) -> tuple[float, float, float]:
     band = bed.threshold / motion.acceleration
     found = crossings(band, P, Q, extrema(P, Q))
     flowing = np.flatnonzero(found.counts)
-    play = bed.play[flowing] / motion.length_unit
-    if play.size == 0:
+    clearance = bed.clearance[flowing] / motion.length_unit
+    if clearance.size == 0:
         return 0.0, 0.0, 0.0
-    rows = RowSet(np.repeat(flowing, play.shape[1]), play.ravel(), bed.restitution, band, found.tables)
+    rows = RowSet(
+        np.repeat(flowing, clearance.shape[1]),
+        clearance.ravel(),
+        bed.restitution,
+        band,
+        found.tables,
+    )
     return slip_moments(rows, P, Q)

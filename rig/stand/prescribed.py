@@ -87,7 +87,9 @@ class Stand:
 
     names = ("force", "acceleration")
 
-    def __init__(self, scene: Scene, rig: Rig, motion: Waveform, filling: Filling, rate: float) -> None:
+    def __init__(
+        self, scene: Scene, rig: Rig, motion: Waveform, filling: Filling, rate: float
+    ) -> None:
         self.rate = rate
         self.motion = motion
         self._sampling = Sampling(motion, rate / motion.frequency)
@@ -98,7 +100,9 @@ class Stand:
         self._lost = self._losses.energies(motion)
         on_gauge = scene.axis == "vertical" and scene.support != "cords"
         self.weight = (self._rigid + self._bed.mass) * rig.gravity if on_gauge else 0.0
-        self._cords = Sampling(by_order(motion), rate / motion.frequency) if self._losses.cords else None
+        self._cords = (
+            Sampling(by_order(motion), rate / motion.frequency) if self._losses.cords else None
+        )
         self._kinetic = self._bed.kinetic_at_start
         self._inertial = np.pi * (self._rigid + self._bed.mass) * motion.velocity_unit**2
         self._cycles = 0
@@ -178,6 +182,10 @@ class Stand:
             lost = mean_force(self._losses, edges.position, edges.velocity, 1.0 / self.rate)
             if self._cords is not None:
                 position = self._cords.edges(self._cycles, CHUNK_CYCLES).position
-                lost += mean_cord_force(self._losses.cords, self.motion.omega, position, 1.0 / self.rate)
-            self._box = BoxMeans(edges, acceleration, self._rigid * acceleration + (self.weight - lost))
+                lost += mean_cord_force(
+                    self._losses.cords, self.motion.omega, position, 1.0 / self.rate
+                )
+            self._box = BoxMeans(
+                edges, acceleration, self._rigid * acceleration + (self.weight - lost)
+            )
         return self._box

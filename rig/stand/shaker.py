@@ -1,5 +1,5 @@
-"""The stand in shaker-coupled drive: amplifier, exciter, box and bed interact; outputs are force
-and acceleration.
+"""The stand in shaker-shaker-coupled drive: amplifier, exciter, box and bed interact; outputs are
+force and acceleration.
 """
 
 from collections.abc import Callable
@@ -72,9 +72,16 @@ class CoupledStand:
     """
 
     def __init__(
-        self, scene: Scene, rig: Rig, drive: Drive, filling: Filling, rate: float, driver: Driver | None = None,
-        names: tuple[str, ...] = ("force", "acceleration"), refine: int = 1,
-    ) -> None:  # fmt: skip
+        self,
+        scene: Scene,
+        rig: Rig,
+        drive: Drive,
+        filling: Filling,
+        rate: float,
+        driver: Driver | None = None,
+        names: tuple[str, ...] = ("force", "acceleration"),
+        refine: int = 1,
+    ) -> None:
         self.rate = rate
         self.names = names
         self.bed: TwoWay = TWO_WAY[scene.bed](scene, rig, filling)
@@ -88,8 +95,12 @@ class CoupledStand:
         cords = self.losses.cords / (2.0 * np.pi * drive.frequency)
         self._viscous = np.array([self.bed.damping, self.losses.noise, self.losses.gas, cords])
         box = box_mass(scene.cavity, rig.wall_density) + self.bed.bonded
-        self.plant = Plant.of(rig.exciter, box, rig.gauge_mass, drive.gauge, float(self._viscous.sum()))
-        self._ringing = float(np.sqrt(self.plant.stinger * (1.0 / self.plant.armature + 1.0 / self.plant.box)))
+        self.plant = Plant.of(
+            rig.exciter, box, rig.gauge_mass, drive.gauge, float(self._viscous.sum())
+        )
+        self._ringing = float(
+            np.sqrt(self.plant.stinger * (1.0 / self.plant.armature + 1.0 / self.plant.box))
+        )
         self._driver = driver
         self._refine = refine
         self._grids: dict[tuple[int, int], Propagator] = {}
@@ -100,15 +111,23 @@ class CoupledStand:
         leans = (self._u == 0.0) & (self._w == 0.0)
         self._lo, self._hi = -self.bed.band, np.where(leans, np.inf, self.bed.band)
         self._machine = kernel.Machine(
-            **asdict(self.plant), voltage_peak=rig.exciter.voltage_peak, current_peak=rig.exciter.current_peak,
-            is_current=self._by_current, interval=0.0,
-        )  # fmt: skip
+            **asdict(self.plant),
+            voltage_peak=rig.exciter.voltage_peak,
+            current_peak=rig.exciter.current_peak,
+            is_current=self._by_current,
+            interval=0.0,
+        )
         # The weight of the rows along the axis is held by the support of the box.
         resting = -self.bed.row_mass * rows * self.bed.pull
         self._around = Pull(
-            self.bed.row_mass, self.bed.restitution, self.bed.pull, self.plant.box, self.losses.air, self.losses.guide,
+            self.bed.row_mass,
+            self.bed.restitution,
+            self.bed.pull,
+            self.plant.box,
+            self.losses.air,
+            self.losses.guide,
             resting,
-        )  # fmt: skip
+        )
         self._feed = kernel.Feed(self._by_current, np.nan)
         self._phasors: tuple[complex, ...] = ()
         self._start = 0.0
@@ -141,7 +160,9 @@ class CoupledStand:
         if self._done:
             raise ValueError("the stand has moved already")
         order = np.arange(1.0, len(command.phasors) + 1.0)
-        unit = steady(self.plant, "current" if self._by_current else "voltage", order * command.frequency)
+        unit = steady(
+            self.plant, "current" if self._by_current else "voltage", order * command.frequency
+        )
         self._y[:] = (unit @ np.asarray(command.phasors)).real
         self._w[:] = self._y[V] + self.bed.velocity
         self._phasors = command.phasors
@@ -178,9 +199,13 @@ class CoupledStand:
         edges in (n, n + 1].
         """
         ends = [
-            int(np.floor((self._start + command.time_of(n + 1.0)) * self.rate + 1e-6)) for n in range(command.cycles)
+            int(np.floor((self._start + command.time_of(n + 1.0)) * self.rate + 1e-6))
+            for n in range(command.cycles)
         ]
-        out = [self._cycle(command, first, last) for first, last in zip([self._done, *ends[:-1]], ends, strict=True)]
+        out = [
+            self._cycle(command, first, last)
+            for first, last in zip([self._done, *ends[:-1]], ends, strict=True)
+        ]
         self._start += command.duration
         self._done = ends[-1]
         self._phasors = command.phasors
@@ -189,7 +214,9 @@ class CoupledStand:
     def _cycle(self, command: Command, first: int, last: int) -> Array:
         """Return the signals between two edges."""
         fastest = max(command.frequency, command.last_frequency)
-        parts = self._refine * int(np.ceil(max(LEAST_INTERVALS * fastest, self._ringing / LARGEST_ANGLE) / self.rate))
+        parts = self._refine * int(
+            np.ceil(max(LEAST_INTERVALS * fastest, self._ringing / LARGEST_ANGLE) / self.rate)
+        )
         fine = self.rate * parts
         steps = int(min(1.0 / (fastest * STEPS), LONGEST_STEP) * fine / self._refine)
         interval = 1.0 / fine
@@ -202,14 +229,16 @@ class CoupledStand:
         self._feed, signals, accounts = kernel.stretch(
             self._machine._replace(interval=interval), self._around, self._feed,
             grid.phi, grid.now, grid.next, grid.thrust, asked,
-            self._y, self._w, self._u, self._lo, self._hi, self.bed.band, self.bed.play,
+            self._y, self._w, self._u, self._lo, self._hi, self.bed.band, self.bed.clearance,
         )  # fmt: skip
         clipped = float(np.mean((signals[:-1, kernel.LIMITED] > 0.0) | (asked[1:] != told[1:])))
         # Half of an impact at the last edge belongs to the first interval of the next cycle.
         signals[0, kernel.SPEED] += self._beyond
         self._beyond = float(signals[-1, kernel.SPEED])
         signals = signals[:-1]
-        self._rows.append(self._account(accounts, float(time[-1] - time[0]), before, self._energies()))
+        self._rows.append(
+            self._account(accounts, float(time[-1] - time[0]), before, self._energies())
+        )
         self.limits.append(self._used(accounts, clipped))
         if parts > 1:
             signals = signals.reshape(-1, parts, kernel.SIGNALS).sum(axis=1)
@@ -236,7 +265,9 @@ class CoupledStand:
         p, y, bed = self.plant, self._y, self.bed
         square = 0.5 * y[V] ** 2
         box = (p.box - bed.bonded) * square
-        rows = 0.5 * bed.row_mass * float(self._w @ self._w) - bed.row_mass * bed.pull * float(self._u.sum())
+        rows = 0.5 * bed.row_mass * float(self._w @ self._w) - bed.row_mass * bed.pull * float(
+            self._u.sum()
+        )
         exciter = 0.5 * (
             p.armature * y[VA] ** 2
             + p.body * y[VB] ** 2
@@ -247,19 +278,33 @@ class CoupledStand:
         )
         return float(box), float(rows + bed.bonded * square), float(exciter)
 
-    def _account(self, sums: Array, period: float, before: tuple[float, ...], after: tuple[float, ...]) -> Array:
+    def _account(
+        self, sums: Array, period: float, before: tuple[float, ...], after: tuple[float, ...]
+    ) -> Array:
         """Return one row of COUPLED_COLUMNS from the kernel's sums over `period` (s)."""
         box, bed, exciter = (b - a for a, b in zip(before, after, strict=True))
         dashpot, noise, gas, cords = self._viscous * sums[kernel.SQUARE]
         spent = {
-            "W_f": sums[kernel.FRICTION], "W_c": sums[kernel.COLLISION], "W_viscous": dashpot,
-            "W_noise": noise, "W_air": sums[kernel.AIR], "W_gas": gas, "W_mount": cords + sums[kernel.GUIDE],
-            "dKE_bed": bed, "dKE_box": box,
-        }  # fmt: skip
+            "W_f": sums[kernel.FRICTION],
+            "W_c": sums[kernel.COLLISION],
+            "W_viscous": dashpot,
+            "W_noise": noise,
+            "W_air": sums[kernel.AIR],
+            "W_gas": gas,
+            "W_mount": cords + sums[kernel.GUIDE],
+            "dKE_bed": bed,
+            "dKE_box": box,
+        }
         gauge, electric = sums[kernel.GAUGE], sums[kernel.ELECTRIC]
         lost = sums[[kernel.COPPER, kernel.FLEXURE, kernel.STINGER, kernel.ISOLATION]]
         tiny = float(np.finfo(float).tiny)
-        inertial = 2.0 * np.pi * (self.plant.box + self.bed.mass - self.bed.bonded) * sums[kernel.SQUARE] / period
+        inertial = (
+            2.0
+            * np.pi
+            * (self.plant.box + self.bed.mass - self.bed.bonded)
+            * sums[kernel.SQUARE]
+            / period
+        )
         scale = max(abs(gauge), inertial, tiny)
         return np.array([[
             *(spent[name] for name in SPENT), gauge, (gauge - sum(spent.values())) / scale,

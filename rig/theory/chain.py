@@ -154,10 +154,18 @@ def chain_collision(
         contact_time = CONTACT_SHARE * float(gap.min()) / fastest if fastest > 0.0 else 0.0
     walled = restitution_wall is not None
     inside, at_wall, hits, elastic = collide_file(
-        m, e, walled, restitution_wall if restitution_wall is not None else 1.0, np.cumsum(gap), v, contact_time
+        m,
+        e,
+        walled,
+        restitution_wall if restitution_wall is not None else 1.0,
+        np.cumsum(gap),
+        v,
+        contact_time,
     )
     if hits >= MOST_HITS:
-        raise TooManyHits(f"{m.size} grains have not come apart after {hits} hits: give a longer contact_time")
+        raise TooManyHits(
+            f"{m.size} grains have not come apart after {hits} hits: give a longer contact_time"
+        )
     return Collided(v, float(inside), float(at_wall), int(hits), int(elastic))
 
 

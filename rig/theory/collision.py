@@ -74,7 +74,9 @@ class AfterCollision:
     loss: Array
 
 
-def in_contact(position1: ArrayLike, position2: ArrayLike, diameter1: ArrayLike, diameter2: ArrayLike) -> Mask:
+def in_contact(
+    position1: ArrayLike, position2: ArrayLike, diameter1: ArrayLike, diameter2: ArrayLike
+) -> Mask:
     """Return whether two spheres overlap: distance of the centres below (d1 + d2)/2, all in m (eq
     6).
 
@@ -132,10 +134,14 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
     If one mass is infinite, it is the other mass; if both are, infinity.
     """
     compliance = np.asarray(1.0 / _floats(mass1) + 1.0 / _floats(mass2))
-    return np.asarray(np.divide(1.0, compliance, out=np.full(compliance.shape, np.inf), where=compliance > 0.0))
+    return np.asarray(
+        np.divide(1.0, compliance, out=np.full(compliance.shape, np.inf), where=compliance > 0.0)
+    )
 
 
-def pair_loss(mass1: ArrayLike, mass2: ArrayLike, restitution: ArrayLike, approach: ArrayLike) -> Array:
+def pair_loss(
+    mass1: ArrayLike, mass2: ArrayLike, restitution: ArrayLike, approach: ArrayLike
+) -> Array:
     """Return the energy that a pair loses along its normal, J: m_r (1 - e^2) w^2/2 at approach
     speed w (eq 23, one pair).
 
@@ -169,7 +175,11 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
     n = _floats(normal)
     m1, m2 = _floats(first.mass), _floats(second.mass)
     v1, v2 = _floats(first.velocity), _floats(second.velocity)
-    e, mu, b0 = _floats(contact.restitution), _floats(contact.friction), _floats(contact.tangential_restitution)
+    e, mu, b0 = (
+        _floats(contact.restitution),
+        _floats(contact.friction),
+        _floats(contact.tangential_restitution),
+    )
     _check(n, m1, m2, v1, v2, e, mu, b0)
     spinning = _turning(first, second)
 
@@ -179,7 +189,9 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
     hit = approach > 0.0
     w = np.where(hit, approach, 0.0)
     if np.any(hit & np.isinf(m1) & np.isinf(m2)):
-        raise CollisionError("two bodies of infinite mass approach each other: no impulse can part them")
+        raise CollisionError(
+            "two bodies of infinite mass approach each other: no impulse can part them"
+        )
     m_r = np.where(hit, reduced_mass(m1, m2), 0.0)
     J_n = m_r * (1.0 + e) * w
 
@@ -207,7 +219,9 @@ def collide(first: Bodies, second: Bodies, normal: ArrayLike, contact: Contact) 
     )
 
 
-def moved(position: ArrayLike, before: ArrayLike, after: ArrayLike, step: float, hit_at: ArrayLike) -> Array:
+def moved(
+    position: ArrayLike, before: ArrayLike, after: ArrayLike, step: float, hit_at: ArrayLike
+) -> Array:
     """Return the position after a time step with a hit at `hit_at` (s after its start), m (eq 12
     corrected).
 
@@ -245,7 +259,9 @@ def _friction(slip: Array, most: Array, m_t: Array, b0: Array) -> tuple[Array, A
     return drag, drag * speed**2 * (1.0 - share)
 
 
-def _turning(first: Bodies, second: Bodies) -> tuple[tuple[Array, Array], tuple[Array, Array]] | None:
+def _turning(
+    first: Bodies, second: Bodies
+) -> tuple[tuple[Array, Array], tuple[Array, Array]] | None:
     """Return radius and spin of both sides; None for points."""
     given = (first.radius, first.spin, second.radius, second.spin)
     if all(value is None for value in given):
@@ -253,18 +269,25 @@ def _turning(first: Bodies, second: Bodies) -> tuple[tuple[Array, Array], tuple[
     if any(value is None for value in given):
         raise CollisionError("radius and spin must be given for both bodies, or for none")
     r1, s1, r2, s2 = (np.asarray(value, dtype=np.float64) for value in given)
-    if not ((r1 > 0.0).all() and (r2 > 0.0).all() and np.isfinite(r1).all() and np.isfinite(r2).all()):
+    if not (
+        (r1 > 0.0).all() and (r2 > 0.0).all() and np.isfinite(r1).all() and np.isfinite(r2).all()
+    ):
         raise CollisionError("radius must be positive and finite (a flat wall: any radius, spin 0)")
     if not (np.isfinite(s1).all() and np.isfinite(s2).all()):
         raise CollisionError("spin must be finite")
     return (r1, s1), (r2, s2)
 
 
-def _check(n: Array, m1: Array, m2: Array, v1: Array, v2: Array, e: Array, mu: Array, b0: Array) -> None:
+def _check(
+    n: Array, m1: Array, m2: Array, v1: Array, v2: Array, e: Array, mu: Array, b0: Array
+) -> None:
     """Raise CollisionError for the first quantity out of its range. NaN fails every comparison."""
     length = np.linalg.norm(n, axis=-1)
     allowed = (
-        ("normal must have length 1, or 0 for no contact", (np.abs(length - 1.0) <= UNIT) | (length == 0.0)),
+        (
+            "normal must have length 1, or 0 for no contact",
+            (np.abs(length - 1.0) <= UNIT) | (length == 0.0),
+        ),
         ("mass must be positive", (m1 > 0.0) & (m2 > 0.0)),
         ("velocity must be finite", np.isfinite(v1) & np.isfinite(v2)),
         ("restitution must lie in [0, 1]", (e >= 0.0) & (e <= 1.0)),

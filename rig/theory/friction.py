@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 SLIP_PER_DIAMETER = float((4.0 * np.sqrt(3.0) / 3.0 - 2.0) / 2.0)
-"""Eq 4 divided by the diameter: the free play of a layer between its thinnest and thickest packing,
+"""Eq 4 divided by the diameter: the clearance of a layer between its thinnest and thickest packing,
 about 0.1547.
 """
 
@@ -73,7 +73,9 @@ def slip_distance(diameter: float) -> float:
     return SLIP_PER_DIAMETER * diameter
 
 
-def janssen_length(length: float, width: float, wall_friction: float, janssen_ratio: float) -> float:
+def janssen_length(
+    length: float, width: float, wall_friction: float, janssen_ratio: float
+) -> float:
     """Return the depth over which the stress saturates, m (eq 3): L1 L2/(2 mu_s K_p (L1 + L2)).
 
     Infinite without wall friction.
@@ -83,7 +85,9 @@ def janssen_length(length: float, width: float, wall_friction: float, janssen_ra
     return length * width / (2.0 * wall_friction * janssen_ratio * (length + width))
 
 
-def janssen_stress(depth: ArrayLike, bulk_density: float, gravity: float, saturation_length: float) -> Array:
+def janssen_stress(
+    depth: ArrayLike, bulk_density: float, gravity: float, saturation_length: float
+) -> Array:
     """Return the vertical stress at a depth below the free surface, Pa (eq 3); hydrostatic if the
     walls carry nothing.
 
@@ -143,7 +147,12 @@ def layer_capacity(
     layer has the largest capacity; the deep ones, whose weight the walls carry, have the smallest.
     """
     depth = spacing * np.arange(layers + 1)
-    interface = grain_friction * length * width * janssen_stress(depth, bulk_density, gravity, saturation_length)
+    interface = (
+        grain_friction
+        * length
+        * width
+        * janssen_stress(depth, bulk_density, gravity, saturation_length)
+    )
     return np.diff(interface)
 
 

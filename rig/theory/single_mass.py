@@ -38,7 +38,9 @@ class SingleMass:
     start: float
     velocity: float
 
-    def world(self, acceleration: float, frequency: float, P: Array, Q: Array) -> tuple[World, Array]:
+    def world(
+        self, acceleration: float, frequency: float, P: Array, Q: Array
+    ) -> tuple[World, Array]:
         """Return the kernel's description of box and mass, in units of a waveform of peak
         `acceleration` (m/s^2).
         """
@@ -54,12 +56,14 @@ class SingleMass:
         u = self.velocity * omega / acceleration
         towards = int(math.copysign(1.0, u)) if self.friction > 0.0 else 1
         # Same expression as in `world`: a start at a wall must equal the wall position bit for bit.
-        length = acceleration / omega**2  # as in `world`: a start at a wall is at the wall to the last bit
+        length = (
+            acceleration / omega**2
+        )  # as in `world`: a start at a wall is at the wall to the last bit
         return State(0 if u == 0.0 else towards, self.start / length, u)
 
 
 @dataclass(frozen=True)
-class SlugTotal:
+class SingleMassTotal:
     """Energy per cycle of a single mass.
 
     total : J
@@ -74,10 +78,14 @@ class SlugTotal:
     error: float
 
 
-def slug_total(
-    slug: SingleMass, acceleration: float, frequency: float, settle: int = SETTLE, average: int = AVERAGE,
+def single_mass_total(
+    single_mass: SingleMass,
+    acceleration: float,
+    frequency: float,
+    settle: int = SETTLE,
+    average: int = AVERAGE,
     window: tuple[int, int] | None = None,
-) -> SlugTotal:  # fmt: skip
+) -> SingleMassTotal:
     """Return the energy per cycle of a single mass on an exact sine of peak `acceleration` (m/s^2),
     once settled.
 
@@ -87,14 +95,22 @@ def slug_total(
     Raises TooManyEvents.
     """
     P, Q = np.ones(1), np.zeros(1)
-    start = slug.state(acceleration, frequency)
-    found = steady(start, *slug.world(acceleration, frequency, P, Q), P, Q, settle, average, window or (0, 0))
+    start = single_mass.state(acceleration, frequency)
+    found = steady(
+        start,
+        *single_mass.world(acceleration, frequency, P, Q),
+        P,
+        Q,
+        settle,
+        average,
+        window or (0, 0),
+    )
     if found.period < 0:
-        raise TooManyEvents("a slug meets more events in one cycle than can be followed")
+        raise TooManyEvents("a single mass meets more events in one cycle than can be followed")
     velocity = acceleration / (2.0 * math.pi * frequency)
-    unit = slug.mass * velocity**2
+    unit = single_mass.mass * velocity**2
     taken = found.friction + found.collision
-    return SlugTotal(
+    return SingleMassTotal(
         total=ModelEnergy(
             unit * found.friction,
             unit * found.collision,
@@ -102,21 +118,21 @@ def slug_total(
             1.0 if found.period else 0.0,
             None if window is None else unit * found.window,
         ),
-        bound=bound(slug, velocity, frequency, found),
+        bound=bound(single_mass, velocity, frequency, found),
         moves=found.moves,
         error=found.error / taken if taken > 0.0 else 0.0,
     )
 
 
-def bound(slug: SingleMass, velocity: float, frequency: float, found: MeanCycle) -> float:
+def bound(single_mass: SingleMass, velocity: float, frequency: float, found: MeanCycle) -> float:
     """Return the upper bound of the energy per cycle at a box velocity amplitude (m/s), J.
 
     m g V/f if gravity acts and no lid is hit: the mean contact force is m g and never negative, and
     the box velocity is at most V. Otherwise `plastic_bound`, two hits per cycle at 2 V.
     """
-    if slug.weight > 0.0 and not found.lid:
-        return slug.mass * slug.weight * velocity / frequency
-    return plastic_bound(slug.mass, velocity, slug.restitution)
+    if single_mass.weight > 0.0 and not found.lid:
+        return single_mass.mass * single_mass.weight * velocity / frequency
+    return plastic_bound(single_mass.mass, velocity, single_mass.restitution)
 
 
 def zero_gravity_energy(gap: float) -> float:
@@ -193,7 +209,11 @@ def _late(t: float) -> float:
 
 def _low(t: float) -> float:
     """Return t^2/2 - 1 + cos t without cancellation."""
-    return 0.5 * t * t - 1.0 + math.cos(t) if t > 1.0 else t**4 * sum(c * t ** (2 * n) for n, c in enumerate(LOW))
+    return (
+        0.5 * t * t - 1.0 + math.cos(t)
+        if t > 1.0
+        else t**4 * sum(c * t ** (2 * n) for n, c in enumerate(LOW))
+    )
 
 
 def _root(f: Callable[[float], float], lo: float, hi: float) -> float:

@@ -47,13 +47,17 @@ class ModelEnergy:
 
 
 class TooManyEvents(ArithmeticError):
-    """A row with more events in one cycle, or more cycles to cross its play, than can
+    """A row with more events in one cycle, or more cycles to cross its clearance, than can
     be followed.
     """
 
 
 def as_printed_collision(
-    layer_mass: float, grains: int, restitution: float, restitution_wall: float, wall_velocity: float
+    layer_mass: float,
+    grains: int,
+    restitution: float,
+    restitution_wall: float,
+    wall_velocity: float,
 ) -> float:
     """Return W_c of the model as printed, J per cycle: one layer of chains per struck wall, two
     walls per cycle (eqs 20 to 23).
@@ -77,25 +81,35 @@ def plastic_bound(mass: float, velocity: float, row_restitution: float) -> float
 
 
 def sliding_rows(
-    threshold: Array, play: Array, row_restitution: float, acceleration: float, frequency: float
+    threshold: Array,
+    clearance: Array,
+    row_restitution: float,
+    acceleration: float,
+    frequency: float,
 ) -> RowSet:
     """Return the rows that slide on an exact sine of peak `acceleration`, in units of that sine.
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
-    play : free play of each row, m, shape (layers, rows)
+    clearance : clearance of each row, m, shape (layers, rows)
     """
     sine, cosine = np.ones(1), np.zeros(1)
     flowing = threshold < acceleration
     band = threshold[flowing] / acceleration
     # Lengths in units of the waveform, A/w^2; accelerations in units of A.
-    free = (play[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
-    layer = np.repeat(np.arange(band.size), play.shape[1])
-    return RowSet(layer, free, row_restitution, band, crossings(band, sine, cosine, extrema(sine, cosine)).tables)
+    free = (clearance[flowing] * ((2.0 * np.pi * frequency) ** 2 / acceleration)).ravel()
+    layer = np.repeat(np.arange(band.size), clearance.shape[1])
+    return RowSet(
+        layer,
+        free,
+        row_restitution,
+        band,
+        crossings(band, sine, cosine, extrema(sine, cosine)).tables,
+    )
 
 
 def layer_energies(
     threshold: Array,
-    play: Array,
+    clearance: Array,
     row_mass: float,
     row_restitution: float,
     acceleration: float,
@@ -105,15 +119,17 @@ def layer_energies(
     """Return the energy per cycle of each row, J, shape (layers, rows); arguments as for
     `layers_total`. Raises TooManyEvents.
     """
-    energy = np.zeros(play.shape)
-    rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
-    if rows.play.size:
+    energy = np.zeros(clearance.shape)
+    rows = sliding_rows(threshold, clearance, row_restitution, acceleration, frequency)
+    if rows.clearance.size:
         friction, collision, period = steady_energy(rows, np.ones(1), np.zeros(1), averaged_cycles)
         _refuse(period)
         # Kernel energies are per mass in units of the squared velocity amplitude (A/w)^2.
         unit = row_mass * (acceleration / (2.0 * np.pi * frequency)) ** 2
         # Layers below their threshold ride and keep 0.
-        energy[threshold < acceleration] = unit * (friction + collision).reshape(-1, play.shape[1])
+        energy[threshold < acceleration] = unit * (friction + collision).reshape(
+            -1, clearance.shape[1]
+        )
     return energy
 
 
@@ -124,12 +140,12 @@ def _refuse(period: NDArray[np.int64]) -> None:
     if (period == -1).any():
         raise TooManyEvents(f"meets more than {MAX_EVENTS} events in one cycle")
     if (period == -2).any():
-        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its play")
+        raise TooManyEvents(f"takes more than {LONGEST_SPAN} cycles to cross its clearance")
 
 
 def layers_total(
     threshold: Array,
-    play: Array,
+    clearance: Array,
     row_mass: float,
     row_restitution: float,
     acceleration: float,
@@ -141,15 +157,15 @@ def layers_total(
     (closed tier).
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
-    play : free play of each row, m, shape (layers, rows)
+    clearance : clearance of each row, m, shape (layers, rows)
     row_mass : kg; acceleration : peak of the sine, m/s^2; frequency : Hz
     averaged_cycles : cycles over which rows without a period are averaged
     window : (first cycle, one past the last) of an additional mean; None for none
 
     Raises TooManyEvents.
     """
-    rows = sliding_rows(threshold, play, row_restitution, acceleration, frequency)
-    if rows.play.size == 0:
+    rows = sliding_rows(threshold, clearance, row_restitution, acceleration, frequency)
+    if rows.clearance.size == 0:
         return ModelEnergy(0.0, 0.0, 1, 1.0, None if window is None else 0.0)
     friction, collision, period, seen = steady_and_window(
         rows, np.ones(1), np.zeros(1), averaged_cycles, window or (0, 0)
@@ -162,6 +178,8 @@ def layers_total(
         friction=float(unit * friction.sum()),
         collision=float(unit * collision.sum()),
         period=int(period.max()) if (period > 0).all() else 0,
-        periodic_share=float(each[period > 0].sum()) / taken if taken > 0.0 else float((period > 0).all()),
+        periodic_share=float(each[period > 0].sum()) / taken
+        if taken > 0.0
+        else float((period > 0).all()),
         window=None if window is None else float(unit * seen.sum()),
     )

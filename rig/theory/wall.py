@@ -22,7 +22,9 @@ def compression_slip(slip: ArrayLike, approach: ArrayLike, friction: ArrayLike) 
     return np.maximum(0.0, _floats(slip) - _floats(friction) * np.abs(_floats(approach)))
 
 
-def slip_after(slip: ArrayLike, approach: ArrayLike, friction: ArrayLike, restitution: ArrayLike) -> Array:
+def slip_after(
+    slip: ArrayLike, approach: ArrayLike, friction: ArrayLike, restitution: ArrayLike
+) -> Array:
     """Return the tangential speed after the hit, m/s: max(0, v_t - mu (1 + e0) |v_n|) (eq 18
     corrected).
 
@@ -47,7 +49,9 @@ def compression_impulse(mass: ArrayLike, velocity: ArrayLike, friction: ArrayLik
     return _impulse(mass, v, slip - compression_slip(slip, approach, friction), approach)
 
 
-def recovery_impulse(mass: ArrayLike, velocity: ArrayLike, friction: ArrayLike, restitution: ArrayLike) -> Array:
+def recovery_impulse(
+    mass: ArrayLike, velocity: ArrayLike, friction: ArrayLike, restitution: ArrayLike
+) -> Array:
     """Return the impulse on the grain after the end of compression, N s, shape (..., 3) (eq 16
     corrected).
 
@@ -79,7 +83,9 @@ def bounce(velocity: ArrayLike, friction: ArrayLike, restitution: ArrayLike) -> 
     (eqs 13, 16, 17 together).
     """
     # Unit mass: impulse equals velocity change.
-    both = compression_impulse(1.0, velocity, friction) + recovery_impulse(1.0, velocity, friction, restitution)
+    both = compression_impulse(1.0, velocity, friction) + recovery_impulse(
+        1.0, velocity, friction, restitution
+    )
     return _floats(velocity) + both
 
 
@@ -92,11 +98,18 @@ def wall_restitution(
     Erratum: printed with capital letters in numerator and denominator, which is -1 for any
     velocities.
     """
-    return (_floats(wall_after) - _floats(grain_after)) / (_floats(grain_before) - _floats(wall_before))
+    return (_floats(wall_after) - _floats(grain_after)) / (
+        _floats(grain_before) - _floats(wall_before)
+    )
 
 
 def position_after(
-    position: ArrayLike, before: ArrayLike, after: ArrayLike, step: float, hit_at: ArrayLike, radius: ArrayLike
+    position: ArrayLike,
+    before: ArrayLike,
+    after: ArrayLike,
+    step: float,
+    hit_at: ArrayLike,
+    radius: ArrayLike,
 ) -> Array:
     """Return the position at the end of a step in which the wall z = 0 is hit at `hit_at` (s), m,
     (..., 3) (eq 19 corrected).
@@ -125,5 +138,7 @@ def _impulse(mass: ArrayLike, velocity: Array, slip_lost: Array, normal_gained: 
     slip = _slip(velocity)
     # Friction acts against the slip: both tangential components shrink by the same fraction.
     share = np.divide(slip_lost, slip, out=np.zeros_like(slip), where=slip > 0.0)
-    change = np.stack((-share * velocity[..., 0], -share * velocity[..., 1], normal_gained), axis=-1)
+    change = np.stack(
+        (-share * velocity[..., 0], -share * velocity[..., 1], normal_gained), axis=-1
+    )
     return _floats(mass)[..., None] * change

@@ -15,7 +15,9 @@ from daq.documents.classes import built
 
 
 def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
-    """A condition from its runs' W (J). still: nothing can slide; scale: relative standard u common to all."""
+    """A condition from its runs' W (J). still: nothing can slide; scale: relative standard u common
+    to all.
+    """
     W = [float(w) for w in W]
     a = np.broadcast_to(a, len(W))
     mean = math.fsum(W) / len(W)
@@ -37,18 +39,29 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
 
 
 def entry(kind, values=(), limits=(), cases=1, **more):
-    """An entry of the session's claims; conditions of case k are named by it and by the level: "1a"."""
+    """An entry of the session's claims; conditions of case k are named by it and by the level:
+    "1a".
+    """
     places = [
         {
             "at": {"drive.acceleration": f"{k} m/s^2"} if cases > 1 else {},
-            "levels": [{"value": value, "conditions": [f"{k}{value}"]} for value in more.get("levels", values)],
+            "levels": [
+                {"value": value, "conditions": [f"{k}{value}"]}
+                for value in more.get("levels", values)
+            ],
         }
         for k in range(1, cases + 1)
     ]
     return {
-        "claim": "it is so", "kind": kind, "about": "scene.grains.fill", "over": "", "values": list(values),
-        "limits": list(limits), "imposed": more.get("imposed", ""), "cases": places,
-    }  # fmt: skip
+        "claim": "it is so",
+        "kind": kind,
+        "about": "scene.grains.fill",
+        "over": "",
+        "values": list(values),
+        "limits": list(limits),
+        "imposed": more.get("imposed", ""),
+        "cases": places,
+    }
 
 
 def judged(entries, results):

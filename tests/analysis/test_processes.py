@@ -1,4 +1,6 @@
-"""Runs read by several processes are those read by one, and a process that is lost costs nothing but time."""
+"""Runs read by several processes are those read by one, and a process that is lost costs nothing
+but time.
+"""
 
 import os
 import signal
@@ -41,11 +43,17 @@ def same(one: RunEnergy, other: RunEnergy) -> bool:
         np.array_equal(getattr(one.energy, name), getattr(other.energy, name))
         for name in ("W", "W_cycles", "force", "acceleration")
     )
-    return alike and (one.flags, one.ledger, one.u_noise) == (other.flags, other.ledger, other.u_noise)
+    return alike and (one.flags, one.ledger, one.u_noise) == (
+        other.flags,
+        other.ledger,
+        other.u_noise,
+    )
 
 
 @pytest.mark.parametrize("count", [2, 5])
-def test_energies_are_those_of_one_process(session: Path, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_energies_are_those_of_one_process(
+    session: Path, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(processes, "MANY", 2)
     with open_session(session) as record:
         alone = energies_of(record, [info.name for info in record.runs])
@@ -56,13 +64,17 @@ def test_energies_are_those_of_one_process(session: Path, count: int, monkeypatc
 
 
 @pytest.mark.parametrize("victims", [range(1), range(2)])
-def test_a_killed_process_costs_no_run(session: Path, victims: range, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_killed_process_costs_no_run(
+    session: Path, victims: range, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """One or both of two processes are killed at their second message."""
     here, told = os.getpid(), [0]
 
     def killed(record: Record, names: Iterable[str], gaps: bool) -> dict[str, RunEnergy]:
         told[0] += os.getpid() != here
-        first = [info.name for info in record.runs].index(*names) % 2  # every second run is one process's
+        first = [info.name for info in record.runs].index(
+            *names
+        ) % 2  # every second run is one process's
         if told[0] == 2 and first in victims:
             os.kill(os.getpid(), signal.SIGKILL)
         return energies_of(record, names, gaps)

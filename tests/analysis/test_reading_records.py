@@ -3,7 +3,16 @@
 import h5py
 import numpy as np
 import pytest
-from analytic_record import FILTER_DELAY, NOMINAL, OMEGA, condition, dashpot_energy, drive_time, motion, prediction_for
+from analytic_record import (
+    FILTER_DELAY,
+    NOMINAL,
+    OMEGA,
+    condition,
+    dashpot_energy,
+    drive_time,
+    motion,
+    prediction_for,
+)
 
 from analysis import read_session, run_energy
 from daq.chain.block import Block
@@ -16,7 +25,9 @@ RATE, SAMPLES, CUT = 10240.0, 51 * 512, 7000
 MASS, LOSS, A0 = 38.0, 400.0, 5.0
 
 FORCE = TransducerSpec("208C03", "force", "N", 2.248e-3, 2200.0, 2000.0, 0.1, 0.02, 1e4, 0.01)
-ACCELERATION = TransducerSpec("352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01)
+ACCELERATION = TransducerSpec(
+    "352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01
+)
 ANALYZER = AnalyzerSpec("INV-3118", (51200.0, RATE))
 
 
@@ -27,15 +38,25 @@ def plan():
         for spec, volts in ((FORCE, 10.0), (ACCELERATION, 1.0))
     )
     return SessionPlan(
-        rate=RATE, channels=infos, conditions=(entry,), protocol_text="name: demo\n", protocol={"name": "demo"},
+        rate=RATE,
+        channels=infos,
+        conditions=(entry,),
+        protocol_text="name: demo\n",
+        protocol={"name": "demo"},
         runs=tuple(RunPlan(f"run_{i:04d}", "c01", i, i, SAMPLES, 5159, 8) for i in (1, 2)),
-        documents={"prediction": prediction_for([entry], lambda _entry, a: dashpot_energy(LOSS, a), 1e-3)},
-        ledger_columns=("W_viscous", "dKE_bed", "closure"), ledger_cycles=50, scalars=("use_force", "use_stroke"),
-    )  # fmt: skip
+        documents={
+            "prediction": prediction_for([entry], lambda _entry, a: dashpot_energy(LOSS, a), 1e-3)
+        },
+        ledger_columns=("W_viscous", "dKE_bed", "closure"),
+        ledger_cycles=50,
+        scalars=("use_force", "use_stroke"),
+    )
 
 
 def codes(infos):
-    """Converter codes of a dashpot beside a mass, each channel turned by its certified pole as the hardware would."""
+    """Converter codes of a dashpot beside a mass, each channel turned by its certified pole as the
+    hardware would.
+    """
     t = drive_time(SAMPLES)
     rows = []
     for info in infos:
@@ -57,15 +78,22 @@ def session(tmp_path):
         for run in found.runs:
             for start in range(0, SAMPLES, CUT):
                 part = read[:, start : start + CUT]
-                recorder.append(run.name, Block(start, part, np.zeros(2, np.uint16), np.zeros(2, np.uint32), False))
-            recorder.write_ledger(run.name, 0, np.tile([dashpot_energy(LOSS, A0), 0.0, 1e-15], (50, 1)))
+                recorder.append(
+                    run.name,
+                    Block(start, part, np.zeros(2, np.uint16), np.zeros(2, np.uint32), False),
+                )
+            recorder.write_ledger(
+                run.name, 0, np.tile([dashpot_energy(LOSS, A0), 0.0, 1e-15], (50, 1))
+            )
             recorder.finish(run.name, {"use_force": 0.7, "use_stroke": 1.1})
             early[run.name] = run_energy(recorder.record(), run.name)
     return path, early
 
 
 def test_energy_from_codes(session):
-    """Rounding to 24 bits: noise of 0.29 code per sample, 1e-9 of W; poles undone by the channel table."""
+    """Rounding to 24 bits: noise of 0.29 code per sample, 1e-9 of W; poles undone by the channel
+    table.
+    """
     path, early = session
     with open_session(path) as record:
         energy = run_energy(record, record.runs[0]).energy
@@ -84,7 +112,7 @@ def test_report_of_a_file(session):
     assert [entry.flag for entry in report.flags] == ["over_stroke"]
     row = report.conditions[0]
     assert abs(row.offset) < 1e-5
-    assert abs(row.E_n_chain) < 1e-3
+    assert abs(row.E_n_truth) < 1e-3
     assert row.U_W_exp / row.W_exp > NOMINAL["force"].calibration_U / 2
     assert report.verdict == "passes"
 
@@ -99,4 +127,4 @@ def test_a_file_without_truth_gives_the_same_measurement(session):
             del file[run]["truth"]
     with open_session(path) as record:
         bare = read_session(record).document()["conditions"][0]
-    assert {name for name in full if full[name] != bare[name]} == {"E_n_chain", "dKE_bed"}
+    assert {name for name in full if full[name] != bare[name]} == {"E_n_truth", "dKE_bed"}

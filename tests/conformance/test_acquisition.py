@@ -1,4 +1,6 @@
-"""What every acquisition must do, whatever stands behind it. A new implementation joins by one line in MAKERS."""
+"""What every acquisition must do, whatever stands behind it. A new implementation joins by one line
+in MAKERS.
+"""
 
 import atexit
 import shutil
@@ -28,11 +30,17 @@ RATE = 10240.0
 ANALYZER = AnalyzerSpec("INV-3118", (RATE,))
 CHANNELS = (
     Channel(
-        "force", TransducerSpec("208C03", "force", "N", 2.248e-3, 2200.0, 2000.0, 0.1, 0.02, 1e4, 0.01), 0.1, "", "+x"
+        "force",
+        TransducerSpec("208C03", "force", "N", 2.248e-3, 2200.0, 2000.0, 0.1, 0.02, 1e4, 0.01),
+        0.1,
+        "",
+        "+x",
     ),
     Channel(
         "acceleration",
-        TransducerSpec("352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01),
+        TransducerSpec(
+            "352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01
+        ),
         0.1,
         "",
         "+x",
@@ -57,13 +65,19 @@ class Shaking:
 
 
 def emulated() -> Emulated:
-    states = [draw_state(channel, ANALYZER, stream(7, "instrument", channel.name)) for channel in CHANNELS]
+    states = [
+        draw_state(channel, ANALYZER, stream(7, "instrument", channel.name)) for channel in CHANNELS
+    ]
     noise = [stream(7, "condition", "1", channel.name) for channel in CHANNELS]
-    return Emulated(Transduced(Shaking(), states), FrontEnd(ANALYZER, CHANNELS, states, RATE, noise))
+    return Emulated(
+        Transduced(Shaking(), states), FrontEnd(ANALYZER, CHANNELS, states, RATE, noise)
+    )
 
 
 PIECES = [50] * 20 + [4096] * 12
-"""Sizes of the recorded blocks: small ones where the settling ends, then larger ones, 50152 samples in all."""
+"""Sizes of the recorded blocks: small ones where the settling ends, then larger ones, 50152 samples
+in all.
+"""
 
 
 @cache
@@ -73,7 +87,9 @@ def recorded() -> Record:
     table = tuple(channel_info(channel, ANALYZER, RATE, 38.9375) for channel in CHANNELS)
     run = RunPlan("run_0001", "c01", 1, 1, sum(PIECES), 0, len(PIECES))
     path = Path(tempfile.mkdtemp()) / "session.h5"
-    with Recorder.create(path, SessionPlan(RATE, table, (run,), ({"id": "c01"},), "", {})) as recorder:
+    with Recorder.create(
+        path, SessionPlan(RATE, table, (run,), ({"id": "c01"},), "", {})
+    ) as recorder:
         for size in PIECES:
             recorder.append("run_0001", acquisition.read(size))
         recorder.finish("run_0001", {})
@@ -90,7 +106,9 @@ def replayed() -> Replayed:
 def faulted() -> Faulted:
     """One fault of every kind, over the first 20000 samples and across each other."""
     faults = [
-        BlockFault(kind, k % 2, 300 + 1900 * k, 2500 + 1900 * k, 3.0 if kind == "clock_slip" else 0.01)
+        BlockFault(
+            kind, k % 2, 300 + 1900 * k, 2500 + 1900 * k, 3.0 if kind == "clock_slip" else 0.01
+        )
         for k, kind in enumerate(KINDS)
     ]
     noise = [stream(7, "fault", kind) for kind in KINDS]
@@ -138,8 +156,12 @@ def test_codes_do_not_depend_on_how_they_are_read(cuts: list[int]) -> None:
         blocks = [cut.read(n) for n in cuts]
         one = whole.read(sum(cuts))
         np.testing.assert_array_equal(joined(blocks), one.codes)
-        np.testing.assert_array_equal(sum(block.clipped.astype(int) for block in blocks), one.clipped)
-        np.testing.assert_array_equal(np.bitwise_or.reduce([block.flags for block in blocks]), one.flags)
+        np.testing.assert_array_equal(
+            sum(block.clipped.astype(int) for block in blocks), one.clipped
+        )
+        np.testing.assert_array_equal(
+            np.bitwise_or.reduce([block.flags for block in blocks]), one.flags
+        )
 
 
 def test_a_block_is_not_changed_by_later_reads(make: Callable[[], Acquisition]) -> None:

@@ -1,7 +1,9 @@
-"""What every executor must do, wherever it computes. A new implementation joins by one line in MAKERS.
+"""What every executor must do, wherever it computes. A new implementation joins by one line in
+MAKERS.
 
-Runs are stood in for by counted numbers: what is tested is who computes them, in what order they come and what becomes
-of them when a worker is killed. Whole campaigns: tests/road/test_campaign.py (bytes), kill_workers.py (kills).
+Runs are stood in for by counted numbers: what is tested is who computes them, in what order they
+come and what becomes of them when a worker is killed. Whole campaigns: tests/road/test_campaign.py
+(bytes), kill_workers.py (kills).
 """
 
 import os
@@ -36,7 +38,9 @@ class Here:
     """The reference: one run after the other, in this process."""
 
     @contextmanager
-    def started(self, compute: Compute, stages: Sequence[Sequence[Task]]) -> Iterator[Iterator[Any]]:
+    def started(
+        self, compute: Compute, stages: Sequence[Sequence[Task]]
+    ) -> Iterator[Iterator[Any]]:
         yield (item for stage in stages for task in stage for item in compute(task))
 
 
@@ -50,7 +54,9 @@ MAKERS: dict[str, Callable[[], Executor]] = {
 
 @dataclass
 class Counted:
-    """A campaign of so many runs; `then` is called before every part, with the run's number and the part's."""
+    """A campaign of so many runs; `then` is called before every part, with the run's number and the
+    part's.
+    """
 
     runs: int
     samples: int = SAMPLES
@@ -59,7 +65,9 @@ class Counted:
     @property
     def waiting(self) -> list[Any]:
         return [
-            SimpleNamespace(name=f"run_{number:04d}", number=number, condition=SimpleNamespace(id="c"))
+            SimpleNamespace(
+                name=f"run_{number:04d}", number=number, condition=SimpleNamespace(id="c")
+            )
             for number in range(self.runs)
         ]
 
@@ -74,8 +82,15 @@ class Counted:
             self.then(run.number, k)
             codes = rng.integers(-(2**23), 2**23, (CHANNELS, self.samples), dtype=np.int32)
             zero = np.zeros(CHANNELS)
-            block = Block(k * self.samples, codes, zero.astype(np.uint16), zero.astype(np.uint32), False)
-            yield Part(run.name, block, np.full((1, 2), k), {"last": run.number} if k == BLOCKS - 1 else None)
+            block = Block(
+                k * self.samples, codes, zero.astype(np.uint16), zero.astype(np.uint32), False
+            )
+            yield Part(
+                run.name,
+                block,
+                np.full((1, 2), k),
+                {"last": run.number} if k == BLOCKS - 1 else None,
+            )
 
 
 @pytest.fixture(autouse=True)
@@ -93,7 +108,9 @@ def nothing_hangs() -> Iterator[None]:
     assert not active_children()
 
 
-def taken(executor: Executor, campaign: Any, each: Callable[[int], None] = lambda _: None) -> dict[str, list[Part]]:
+def taken(
+    executor: Executor, campaign: Any, each: Callable[[int], None] = lambda _: None
+) -> dict[str, list[Part]]:
     """Parts by run; `each` hears how many have come."""
     found: dict[str, list[Part]] = {}
     with executor.started(campaign.computed, [campaign.waiting]) as parts:
@@ -104,7 +121,9 @@ def taken(executor: Executor, campaign: Any, each: Callable[[int], None] = lambd
 
 
 def test_processes_begin_before_anybody_asks() -> None:
-    """The writer predicts and makes its file meanwhile: a worker that waits to be asked would be idle."""
+    """The writer predicts and makes its file meanwhile: a worker that waits to be asked would be
+    idle.
+    """
     begun, tell = os.pipe()
     campaign = Counted(3, then=lambda _run, _part: os.write(tell, b"."))
     with Processes(2).started(campaign.computed, [campaign.waiting]):
@@ -118,9 +137,13 @@ def test_processes_begin_before_anybody_asks() -> None:
 @pytest.mark.parametrize("name", MAKERS)
 @pytest.mark.parametrize("sizes", [(0, 3), (3, 0), (1, 4), (5, 5), (0, 0), (2, 0, 6)])
 def test_a_stage_begins_when_the_one_before_has_come(name: str, sizes: Sequence[int]) -> None:
-    """Every task says when it begins; before that, all items of earlier stages have been taken from the workers."""
+    """Every task says when it begins; before that, all items of earlier stages have been taken from
+    the workers.
+    """
     begun, tell = os.pipe()
-    campaign = Counted(sum(sizes), samples=10, then=lambda run, _: os.write(tell, run.to_bytes(2, "big")))
+    campaign = Counted(
+        sum(sizes), samples=10, then=lambda run, _: os.write(tell, run.to_bytes(2, "big"))
+    )
     first = [sum(sizes[:k]) for k in range(len(sizes) + 1)]
     stages = [campaign.waiting[a:b] for a, b in pairwise(first)]
     came: list[int] = []
@@ -132,14 +155,18 @@ def test_a_stage_begins_when_the_one_before_has_come(name: str, sizes: Sequence[
     order = [next(k for k in range(len(sizes)) if number < first[k + 1]) for number in came]
     assert order == sorted(order)
     assert sorted(came) == sorted(BLOCKS * list(range(sum(sizes))))
-    assert set(zip(told[::2], told[1::2], strict=True)) == {(0, number) for number in range(sum(sizes))}
+    assert set(zip(told[::2], told[1::2], strict=True)) == {
+        (0, number) for number in range(sum(sizes))
+    }
 
 
 def test_the_next_stage_begins_before_anybody_asks_for_it() -> None:
     """The writer makes its file between the stages."""
     begun, tell = os.pipe()
     campaign = Counted(6, samples=10, then=lambda run, _: os.write(tell, b"x" if run == 3 else b""))
-    with Processes(2).started(campaign.computed, [campaign.waiting[:2], campaign.waiting[2:]]) as items:
+    with Processes(2).started(
+        campaign.computed, [campaign.waiting[:2], campaign.waiting[2:]]
+    ) as items:
         for _ in range(2 * BLOCKS):
             next(items)
         assert select.select([begun], [], [], HANGS / 2)[0]
@@ -177,9 +204,14 @@ def test_leaving_early_ends_the_work(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MAKERS)
-@pytest.mark.parametrize("error", [
-    InputError(Mistake("protocol.yaml", "scene", "this", "that")), Overrun(3, 2.0, 0.5), MemoryError("too large"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "error",
+    [
+        InputError(Mistake("protocol.yaml", "scene", "this", "that")),
+        Overrun(3, 2.0, 0.5),
+        MemoryError("too large"),
+    ],
+)
 def test_an_error_comes_as_it_was_raised(name: str, error: Exception) -> None:
     def fails(run: int, part: int) -> None:
         if (run, part) == (2, 1):
@@ -199,13 +231,19 @@ def test_a_defect_brings_its_traceback() -> None:
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_came_too_late_is_flagged_and_ends_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_came_too_late_is_flagged_and_ends_it(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Held to a thousand million times real time, without an allowance: the second part is late."""
-    monkeypatch.setattr("rig.campaign.one_run.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0))
+    monkeypatch.setattr(
+        "rig.campaign.one_run.part.Pacer", lambda rate, speed: Pacer(rate, speed, margin=0.0)
+    )
     campaign, found = Counted(1), []
     with (
         pytest.raises(Overrun),
-        MAKERS[name]().started(lambda run: paced(campaign.parts(run), 1e4, 1e9), [campaign.waiting]) as parts,
+        MAKERS[name]().started(
+            lambda run: paced(campaign.parts(run), 1e4, 1e9), [campaign.waiting]
+        ) as parts,
     ):
         found.extend(parts)  # what came before the error stays in the list
     assert [int(part.block.flags[0]) for part in found] == [0, int(Flag.OVERRUN)]
@@ -229,7 +267,9 @@ def test_a_run_that_kills_its_workers_is_named(count: int) -> None:
 
 
 def test_a_run_whose_worker_is_lost_goes_on_in_another(caplog: pytest.LogCaptureFixture) -> None:
-    """Two of three workers are killed after parts of theirs have come: nothing comes twice and nothing is missing."""
+    """Two of three workers are killed after parts of theirs have come: nothing comes twice and
+    nothing is missing.
+    """
     campaign = Counted(8)
     killed: list[int] = []
 
@@ -269,16 +309,18 @@ def lived(campaign: Any, count: int, victims: int, moment: float) -> str:
 
 @pytest.mark.parametrize("kills", [12, pytest.param(100, marks=pytest.mark.slow)])
 def test_kills_at_random_moments(kills: int) -> None:
-    """One to three of three workers, from before the first is there until after the last part: each campaign ends, with
-    every part in its place or with the sentence. Parts of 0.6 MB, more than a pipe holds, are under way most of the
-    time."""
+    """One to three of three workers, from before the first is there until after the last part: each
+    campaign ends, with every part in its place or with the sentence. Parts of 0.6 MB, more than a
+    pipe holds, are under way most of the time."""
     rng, campaign = random.Random(12), Counted(4, samples=40_000)
     begun = time.monotonic()
     taken(Processes(3), campaign)
     lasts = time.monotonic() - begun
     ends = [lived(campaign, 3, 1 + k % 3, rng.uniform(0.0, 1.1 * lasts)) for k in range(kills)]
     assert all("run_000" in end for end in ends if end)
-    assert not any(end for k, end in enumerate(ends) if k % 3 < 2)  # a worker was left, and did it all
+    assert not any(
+        end for k, end in enumerate(ends) if k % 3 < 2
+    )  # a worker was left, and did it all
 
 
 def alive(pid: int) -> bool:
@@ -292,8 +334,8 @@ def alive(pid: int) -> bool:
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="looks into /proc")
 @pytest.mark.parametrize("busy", [True, False])
 def test_workers_end_with_their_parent(busy: bool) -> None:
-    """The parent is killed while its workers compute without a word, or wait with full pipes; one of them is stopped
-    and must not hold up the others."""
+    """The parent is killed while its workers compute without a word, or wait with full pipes; one
+    of them is stopped and must not hold up the others."""
     read, write = os.pipe()
 
     def tell(run: int, part: int) -> None:

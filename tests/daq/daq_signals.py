@@ -13,10 +13,14 @@ OVERSAMPLED = 8 * RATE
 
 
 class Analytic:
-    """A source (physical or analog) whose rows are functions of the interval index; reads of any size."""
+    """A source (physical or analog) whose rows are functions of the interval index; reads of any
+    size.
+    """
 
     def __init__(
-        self, *rows: Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]], rate: float = OVERSAMPLED
+        self,
+        *rows: Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]],
+        rate: float = OVERSAMPLED,
     ) -> None:
         self.names = tuple("ab"[: len(rows)])
         self.rate = rate
@@ -34,7 +38,9 @@ class Analytic:
 def tone(
     amplitude: float, frequency: float, phase: float = 0.0
 ) -> Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]:
-    """Exact interval means of amplitude * sin(2 pi frequency t + phase); frequency in units of the output rate."""
+    """Exact interval means of amplitude * sin(2 pi frequency t + phase); frequency in units of the
+    output rate.
+    """
     step = 2 * np.pi * frequency / 8
     droop = np.sinc(frequency / 8)
     return lambda index: amplitude * droop * np.sin(step * (index + 0.5) + phase)
@@ -49,7 +55,11 @@ def channels(count: int) -> tuple[Channel, ...]:
 
 
 def front_end(
-    count: int = 1, analyzer: AnalyzerSpec | None = None, gain: float = 1.0, seed: int = 0, samples: int = BLOCK
+    count: int = 1,
+    analyzer: AnalyzerSpec | None = None,
+    gain: float = 1.0,
+    seed: int = 0,
+    samples: int = BLOCK,
 ) -> FrontEnd:
     states = [ChannelState(1.0, None, gain)] * count
     noise = [np.random.default_rng((seed, row)) for row in range(count)]

@@ -1,4 +1,5 @@
-"""A program: reads each session file named, all of it, in a child process of its own, and prints how that went.
+"""A program: reads each session file named, all of it, in a child process of its own, and prints
+how that went.
 
 The first file is a good one: it loads the libraries.
 

@@ -2,7 +2,8 @@
 
     python read_with_old_hdf5.py SESSION.h5 ...
 
-Only h5py and numpy are imported, so that any old version of them serves. Every object and attribute is read.
+Only h5py and numpy are imported, so that any old version of them serves. Every object and attribute
+is read.
 """
 
 import sys
@@ -32,4 +33,6 @@ if __name__ == "__main__":
     if h5py.version.hdf5_version_tuple >= (2, 0, 0):
         sys.exit(f"HDF5 {h5py.version.hdf5_version} is not older than 2.0")
     for argument in sys.argv[1:]:
-        print(f"{argument}: {objects_in(Path(argument))} objects read by HDF5 {h5py.version.hdf5_version}")
+        print(
+            f"{argument}: {objects_in(Path(argument))} objects read by HDF5 {h5py.version.hdf5_version}"
+        )

@@ -1,4 +1,6 @@
-"""Mutated session files: bytes changed anywhere, metadata changed under a right checksum, odd content, odd objects."""
+"""Mutated session files: bytes changed anywhere, metadata changed under a right checksum, odd
+content, odd objects.
+"""
 
 import json
 import random
@@ -13,16 +15,58 @@ import numpy as np
 
 from daq.session.hdf5_flags import lookup3
 
-SIGNATURES = (b"OHDR", b"OCHK", b"FRHP", b"FHDB", b"FHIB", b"BTHD", b"BTIN", b"BTLF", b"FAHD", b"FADB")
+SIGNATURES = (
+    b"OHDR",
+    b"OCHK",
+    b"FRHP",
+    b"FHDB",
+    b"FHIB",
+    b"BTHD",
+    b"BTIN",
+    b"BTLF",
+    b"FAHD",
+    b"FADB",
+)
 ODD: tuple[Any, ...] = (
-    None, True, -1, 0, 1e308, -1e308, 1e-320, 2**70, "", "x", [], {}, [1, 2], {"a": 1}, "run_0001", "ä" * 5000, 3.5,
-    [None] * 3, "nan", "[bold]", "\x1b[2J",
-)  # fmt: skip
+    None,
+    True,
+    -1,
+    0,
+    1e308,
+    -1e308,
+    1e-320,
+    2**70,
+    "",
+    "x",
+    [],
+    {},
+    [1, 2],
+    {"a": 1},
+    "run_0001",
+    "ä" * 5000,
+    3.5,
+    [None] * 3,
+    "nan",
+    "[bold]",
+    "\x1b[2J",
+)
 ODD_TEXTS = ("{", "[1,", "NaN", '{"a": Infinity}', "[" * 100000, '"\\ud800"', "1e999", "")
 ODD_ATTRIBUTES: tuple[Any, ...] = (
-    np.nan, np.inf, -1.0, 0.0, 0, -1, "x", "", np.zeros(3), np.array([b"a", b"b"]), 2**62, h5py.Empty("f"),
-    np.zeros((2, 2)), b"\xff\xfe",
-)  # fmt: skip
+    np.nan,
+    np.inf,
+    -1.0,
+    0.0,
+    0,
+    -1,
+    "x",
+    "",
+    np.zeros(3),
+    np.array([b"a", b"b"]),
+    2**62,
+    h5py.Empty("f"),
+    np.zeros((2, 2)),
+    b"\xff\xfe",
+)
 
 
 @cache
@@ -40,7 +84,9 @@ def checksummed(path: Path) -> dict[int, int]:
 
 def _length(data: bytes, start: int) -> int:
     for n in range(8, 1200):
-        if data[start + n : start + n + 4] == lookup3(data[start : start + n]).to_bytes(4, "little"):
+        if data[start + n : start + n + 4] == lookup3(data[start : start + n]).to_bytes(
+            4, "little"
+        ):
             return n
     return 0
 
@@ -48,12 +94,26 @@ def _length(data: bytes, start: int) -> int:
 def mutated(source: Path, target: Path, seed: int) -> None:
     """Write the mutation of a session that belongs to a seed."""
     rng = random.Random(seed)
-    rng.choice((flipped, cut, spliced, structure, structure, document, document, document, table, attribute, thing))(
-        source, target, rng
-    )
+    rng.choice(
+        (
+            flipped,
+            cut,
+            spliced,
+            structure,
+            structure,
+            document,
+            document,
+            document,
+            table,
+            attribute,
+            thing,
+        )
+    )(source, target, rng)
 
 
-def _bytes(change: Callable[[bytearray, random.Random], None]) -> Callable[[Path, Path, random.Random], None]:
+def _bytes(
+    change: Callable[[bytearray, random.Random], None],
+) -> Callable[[Path, Path, random.Random], None]:
     def write(source: Path, target: Path, rng: random.Random) -> None:
         data = bytearray(source.read_bytes())
         change(data, rng)
@@ -90,17 +150,25 @@ def spliced(data: bytearray, rng: random.Random) -> None:
 
 
 def structure(source: Path, target: Path, rng: random.Random) -> None:
-    """Bytes of HDF5's own structures changed, checksum made right: what the checksums do not protect from."""
+    """Bytes of HDF5's own structures changed, checksum made right: what the checksums do not
+    protect from.
+    """
     data = bytearray(source.read_bytes())
     start, length = rng.choice(sorted(checksummed(source).items()))
     for _ in range(rng.choice((1, 1, 2, 5))):
         at = start + 4 + rng.randrange(length - 4)
-        data[at] = rng.choice((0, 1, 0xFF, 0x7F, 0x80, rng.randrange(256), data[at] ^ (1 << rng.randrange(8))))
-    data[start + length : start + length + 4] = lookup3(bytes(data[start : start + length])).to_bytes(4, "little")
+        data[at] = rng.choice(
+            (0, 1, 0xFF, 0x7F, 0x80, rng.randrange(256), data[at] ^ (1 << rng.randrange(8)))
+        )
+    data[start + length : start + length + 4] = lookup3(
+        bytes(data[start : start + length])
+    ).to_bytes(4, "little")
     target.write_bytes(data)
 
 
-def _content(change: Callable[[h5py.File, random.Random], None]) -> Callable[[Path, Path, random.Random], None]:
+def _content(
+    change: Callable[[h5py.File, random.Random], None],
+) -> Callable[[Path, Path, random.Random], None]:
     def write(source: Path, target: Path, rng: random.Random) -> None:
         shutil.copy(source, target)
         with h5py.File(target, "r+", libver=("v110", "v110")) as file:
@@ -112,8 +180,17 @@ def _content(change: Callable[[h5py.File, random.Random], None]) -> Callable[[Pa
 @_content
 def document(file: h5py.File, rng: random.Random) -> None:
     session = file["session"]
-    own = [name for name in session if isinstance(session[name], h5py.Dataset) and session[name].dtype.kind == "S"]
-    name = rng.choice([*(name for name in own if name != "protocol_text"), *(f"truth/{n}" for n in session["truth"])])
+    own = [
+        name
+        for name in session
+        if isinstance(session[name], h5py.Dataset) and session[name].dtype.kind == "S"
+    ]
+    name = rng.choice(
+        [
+            *(name for name in own if name != "protocol_text"),
+            *(f"truth/{n}" for n in session["truth"]),
+        ]
+    )
     value = json.loads(session[name][()])
     for _ in range(rng.choice((1, 1, 3))):
         value = _odd_somewhere(value, rng)
@@ -139,7 +216,13 @@ def _odd_somewhere(value: Any, rng: random.Random) -> Any:
 
 def _paths(value: Any, before: tuple[Any, ...] = ()) -> Any:
     yield before
-    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    entries = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
     for key, entry in entries:
         yield from _paths(entry, (*before, key))
 
@@ -151,7 +234,9 @@ def table(file: h5py.File, rng: random.Random) -> None:
     rows = file[path][()]
     name = rng.choice(rows.dtype.names)
     bits = 8 * rows.dtype[name].base.itemsize
-    rows[name][rng.randrange(len(rows))] = rng.choice((0, 1, 7, 255, 2**31, 2**63, 2**64 - 1)) & (2**bits - 1)
+    rows[name][rng.randrange(len(rows))] = rng.choice((0, 1, 7, 255, 2**31, 2**63, 2**64 - 1)) & (
+        2**bits - 1
+    )
     file[path][...] = rows
 
 
@@ -170,11 +255,26 @@ def attribute(file: h5py.File, rng: random.Random) -> None:
 @_content
 def thing(file: h5py.File, rng: random.Random) -> None:
     """An object that is gone, of another kind, elsewhere, or absurdly large."""
-    name = rng.choice((
-        "session", "session/channels", "session/channels/force", "session/status", "session/conditions", "session/runs",
-        "session/scalars", "session/prediction", "session/truth", "session/truth/instruments", "run_0001",
-        "run_0001/blocks", "run_0001/data", "run_0001/data/force", "run_0001/scalars", "run_0001/truth/ledger",
-    ))  # fmt: skip
+    name = rng.choice(
+        (
+            "session",
+            "session/channels",
+            "session/channels/force",
+            "session/status",
+            "session/conditions",
+            "session/runs",
+            "session/scalars",
+            "session/prediction",
+            "session/truth",
+            "session/truth/instruments",
+            "run_0001",
+            "run_0001/blocks",
+            "run_0001/data",
+            "run_0001/data/force",
+            "run_0001/scalars",
+            "run_0001/truth/ledger",
+        )
+    )
     codes = file["run_0001/data/force"][()]
     del file[name]
     match rng.randrange(10):

@@ -1,4 +1,6 @@
-"""A small session for the session tests: two channels, two conditions, three runs, every kind of content."""
+"""A small session for the session tests: two channels, two conditions, three runs, every kind of
+content.
+"""
 
 import numpy as np
 
@@ -11,7 +13,9 @@ SAMPLES = 20000  # more than one chunk
 COLUMNS = ("W_f", "W_c")
 
 FORCE = TransducerSpec("208C03", "force", "N", 2.248e-3, 2200.0, 2000.0, 0.1, 0.02, 1e4, 0.01)
-ACCELERATION = TransducerSpec("DC", "acceleration", "m/s^2", 0.0102, 490.0, None, 0.1, 1.5e-3, 1e4, 0.01)
+ACCELERATION = TransducerSpec(
+    "DC", "acceleration", "m/s^2", 0.0102, 490.0, None, 0.1, 1.5e-3, 1e4, 0.01
+)
 ANALYZER = AnalyzerSpec("INV-3118", (51200.0, RATE))
 
 
@@ -29,14 +33,24 @@ def plan(samples: int = SAMPLES, runs: int = 3, blocks: int = 8) -> SessionPlan:
         channels=infos(),
         runs=tuple(
             RunPlan(
-                f"run_{i:04d}", f"c{1 + i % 2:02d}", i // 2 + 1, i, samples, samples // 5, blocks, "2026-11-22T00:00Z"
+                f"run_{i:04d}",
+                f"c{1 + i % 2:02d}",
+                i // 2 + 1,
+                i,
+                samples,
+                samples // 5,
+                blocks,
+                "2026-11-22T00:00Z",
             )
             for i in range(1, runs + 1)
         ),
         conditions=({"id": "c02", "fill": 0.5}, {"id": "c01", "fill": 0.9}),
         protocol_text="schema: rig/protocol/1\nname: größe\n",
         protocol={"schema": "rig/protocol/1", "name": "größe"},
-        documents={"prediction": {"conditions": {"c01": {"W_T": [0.1, 0.2]}}}, "rig": {"name": "default"}},
+        documents={
+            "prediction": {"conditions": {"c01": {"W_T": [0.1, 0.2]}}},
+            "rig": {"name": "paper"},
+        },
         truth_documents={"instruments": {"force": {"sensitivity": 2.25e-3}}},
         ledger_columns=COLUMNS,
         ledger_cycles=4,

@@ -1,4 +1,6 @@
-"""An installation and a home that cannot be written: compiled code goes to a private temporary folder."""
+"""An installation and a home that cannot be written: compiled code goes to a private temporary
+folder.
+"""
 
 import os
 import shutil
@@ -17,10 +19,14 @@ NOWHERE = f"{os.devnull}/home"
 
 @pytest.fixture(scope="module")
 def read_only(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the packages in which `__pycache__` cannot be made, by root either: files stand in their places."""
+    """A copy of the packages in which `__pycache__` cannot be made, by root either: files stand in
+    their places.
+    """
     folder = tmp_path_factory.mktemp("site")
     for package in ("daq", "analysis", "rig"):
-        shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(
+            ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__")
+        )
     for module in folder.rglob("*.py"):
         (module.parent / "__pycache__").touch()
     return folder
@@ -29,9 +35,19 @@ def read_only(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def start(place: Path, program: str, temporary: Path, **changes: str) -> subprocess.Popen[str]:
     names = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "NUMBA_CACHE_DIR", "MPLCONFIGDIR")
     env = {name: value for name, value in os.environ.items() if name not in names}
-    env |= {"PYTHONPATH": str(place), "TMPDIR": str(temporary), "PYTHONDONTWRITEBYTECODE": "1", **changes}
+    env |= {
+        "PYTHONPATH": str(place),
+        "TMPDIR": str(temporary),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        **changes,
+    }
     return subprocess.Popen(
-        [sys.executable, "-c", program], cwd=place, env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-c", program],
+        cwd=place,
+        env=env,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
 
 
@@ -70,7 +86,9 @@ def test_nothing_is_said_and_nothing_is_left_in_the_work_folder(
 
 @pytest.mark.parametrize("package", ["daq", "analysis", "rig"])
 def test_several_processes_share_one_folder(read_only: Path, tmp_path: Path, package: str) -> None:
-    program = f"import {package}, os; print(os.environ['NUMBA_CACHE_DIR'], os.environ['MPLCONFIGDIR'])"
+    program = (
+        f"import {package}, os; print(os.environ['NUMBA_CACHE_DIR'], os.environ['MPLCONFIGDIR'])"
+    )
     processes = [start(read_only, program, tmp_path, HOME=NOWHERE) for _ in range(4)]
     results = [outcome(process) for process in processes]
     assert len(set(results)) == 1
@@ -80,7 +98,9 @@ def test_several_processes_share_one_folder(read_only: Path, tmp_path: Path, pac
 
 
 @pytest.mark.parametrize("taken", ["open to others", "a link", "a file"])
-def test_a_folder_that_others_could_fill_is_not_used(read_only: Path, tmp_path: Path, taken: str) -> None:
+def test_a_folder_that_others_could_fill_is_not_used(
+    read_only: Path, tmp_path: Path, taken: str
+) -> None:
     """numba unpickles what it finds."""
     name = tmp_path / f"particle-damper-rig-{os.getuid()}"
     if taken == "open to others":
@@ -95,7 +115,9 @@ def test_a_folder_that_others_could_fill_is_not_used(read_only: Path, tmp_path: 
     code, out, err = outcome(start(read_only, program, tmp_path, HOME=NOWHERE))
     assert (code, err) == (0, "")
     assert not out.startswith(f"{name}/")
-    assert [path.name for path in tmp_path.iterdir() if path.name.startswith("particle-damper-rig-")] == [name.name]
+    assert [
+        path.name for path in tmp_path.iterdir() if path.name.startswith("particle-damper-rig-")
+    ] == [name.name]
 
 
 def test_where_the_home_can_be_written_nothing_is_set(read_only: Path, tmp_path: Path) -> None:

@@ -16,7 +16,12 @@ def test_importing_daq_or_its_values_loads_nothing_heavy() -> None:
         "import daq.session.plan, daq.chain.clock\n"
         "print([name for name in ('h5py', 'numba', 'scipy') if name in sys.modules])"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        == "[]\n"
+    )
 
 
 def test_there_is_no_such_name() -> None:
@@ -28,9 +33,16 @@ def test_there_is_no_such_name() -> None:
 
 def test_flags_have_the_words_of_the_session_format() -> None:
     assert flag_names(0xFFFF) == (
-        "overload_hi", "overload_lo", "invalid", "overrun", "gap", "iepe_open", "iepe_short", "not_settled",
+        "overload_hi",
+        "overload_lo",
+        "invalid",
+        "overrun",
+        "gap",
+        "iepe_open",
+        "iepe_short",
+        "not_settled",
         "sensor_clip",
-    )  # fmt: skip
+    )
     assert flag_names(Flag.OVERLOAD_LO | Flag.GAP) == ("overload_lo", "gap")
     assert flag_names(0) == ()
 

@@ -20,7 +20,9 @@ def test_the_same_words_give_the_same_stream(seed: int, words: list[str]) -> Non
 
 
 @given(words=WORDS, others=WORDS, seed=st.integers(0, 2**64), other=st.integers(0, 2**64))
-def test_other_words_or_seeds_give_another(words: list[str], others: list[str], seed: int, other: int) -> None:
+def test_other_words_or_seeds_give_another(
+    words: list[str], others: list[str], seed: int, other: int
+) -> None:
     assert (first(seed, *words) == first(other, *others)) == (words == others and seed == other)
 
 
@@ -30,7 +32,10 @@ def test_words_are_not_merely_joined() -> None:
 
 
 def test_streams_are_independent_of_each_other() -> None:
-    a, b = stream(5, "force").standard_normal(20000), stream(5, "acceleration").standard_normal(20000)
+    a, b = (
+        stream(5, "force").standard_normal(20000),
+        stream(5, "acceleration").standard_normal(20000),
+    )
     assert abs(np.corrcoef(a, b)[0, 1]) < 5 / np.sqrt(20000)
 
 

@@ -34,7 +34,9 @@ def test_all_files_are_replaced_and_nothing_is_left_beside_them(folder: Path) ->
 
 
 def test_a_full_disk_leaves_every_old_file(folder: Path) -> None:
-    """A limit on the size of files stands for the disk: the third file does not fit, the first two would."""
+    """A limit on the size of files stands for the disk: the third file does not fit, the first two
+    would.
+    """
     program = (
         "import json, resource, signal, sys; from pathlib import Path; from daq.whole_files import write_folder\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (50_000,) * 2)\n"
@@ -73,14 +75,20 @@ def test_a_kill_between_the_moves_leaves_whole_files_and_the_old_last_one(
 
 
 def killed_at(step: int, work: Callable[[], object]) -> bool:
-    """Do the work in a process that SIGKILL ends before its `step`-th change of a file system; whether it did end."""
+    """Do the work in a process that SIGKILL ends before its `step`-th change of a file system;
+    whether it did end.
+    """
     child = os.fork()
     if not child:
         left = step
 
         def count(event: str, values: tuple[object, ...]) -> None:
             nonlocal left
-            writes = event == "open" and isinstance(values[2], int) and values[2] & (os.O_WRONLY | os.O_RDWR)
+            writes = (
+                event == "open"
+                and isinstance(values[2], int)
+                and values[2] & (os.O_WRONLY | os.O_RDWR)
+            )
             if writes or event in ("os.rename", "os.remove", "os.mkdir"):
                 left -= 1
                 if left < 0:
@@ -99,7 +107,9 @@ def test_a_kill_at_any_step_leaves_the_old_files_the_new_ones_or_the_note(folder
     for step in itertools.count():
         write_folder(folder, OLD)
         killed = killed_at(step, lambda: write_folder(folder, NEW))
-        found = {name: text for name, text in contents(folder).items() if not name.endswith(".part")}
+        found = {
+            name: text for name, text in contents(folder).items() if not name.endswith(".part")
+        }
         marked = found.pop(UNFINISHED, None) is not None
         ends.append("old" if found == OLD else "new" if found == NEW else "mixed")
         assert marked or ends[-1] != "mixed"
@@ -113,7 +123,9 @@ def test_a_kill_at_any_step_leaves_the_old_files_the_new_ones_or_the_note(folder
 
 @pytest.mark.parametrize("name", sorted(OLD))
 @pytest.mark.parametrize("dangling", [False, True])
-def test_a_link_in_the_place_of_a_file_is_replaced_not_followed(folder: Path, name: str, dangling: bool) -> None:
+def test_a_link_in_the_place_of_a_file_is_replaced_not_followed(
+    folder: Path, name: str, dangling: bool
+) -> None:
     victim = folder.parent / "victim"
     if not dangling:
         victim.write_text("precious")

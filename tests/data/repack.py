@@ -2,7 +2,8 @@
 
     python tests/data/repack.py OLD.h5 NEW.h5
 
-Every dataset, attribute and type is made afresh, as the newest HDF5 keeps the version of what it copies; values stay.
+Every dataset, attribute and type is made afresh, as the newest HDF5 keeps the version of what it
+copies; values stay.
 """
 
 import sys
@@ -27,7 +28,11 @@ def _group(source: Any, target: Any) -> None:
             _group(item, target.create_group(name))
         else:
             value = _typed(item[()])
-            packing = {"compression": "gzip", "shuffle": True, "chunks": item.chunks} if item.chunks else {}
+            packing = (
+                {"compression": "gzip", "shuffle": True, "chunks": item.chunks}
+                if item.chunks
+                else {}
+            )
             _attributes(item, target.create_dataset(name, data=value, **packing))
 
 
@@ -38,7 +43,11 @@ def _attributes(source: Any, target: Any) -> None:
 
 def _typed(value: Any) -> np.ndarray[Any, Any]:
     found = np.asarray(value)
-    return found.astype(h5py.string_dtype("utf-8", found.dtype.itemsize)) if found.dtype.kind == "S" else found
+    return (
+        found.astype(h5py.string_dtype("utf-8", found.dtype.itemsize))
+        if found.dtype.kind == "S"
+        else found
+    )
 
 
 if __name__ == "__main__":

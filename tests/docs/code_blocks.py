@@ -15,8 +15,8 @@ MARK = re.compile(r"<!--\s*(slow|exits [123]|not run: .+?)\s*-->")
 
 @dataclass(frozen=True)
 class Block:
-    """One code block: its page and line, language ("" where it is indented), text, and the mark before it ("slow",
-    "exits 1" to 3, "not run: why", or "")."""
+    """One code block: its page and line, language ("" where it is indented), text, and the mark
+    before it ("slow", "exits 1" to 3, "not run: why", or "")."""
 
     page: Path
     line: int
@@ -28,13 +28,19 @@ class Block:
     def is_shell(self) -> bool:
         """Named so, or indented and made of commands."""
         lines = [line for line in self.text.splitlines() if line.strip()]
-        return self.language in SHELL or (not self.language and all(line.startswith(COMMANDS) for line in lines))
+        return self.language in SHELL or (
+            not self.language and all(line.startswith(COMMANDS) for line in lines)
+        )
 
     @property
     def commands(self) -> list[str]:
         """The lines of a shell block, continued ones joined."""
         joined = self.text.replace("\\\n", " ")
-        return [line for line in map(str.strip, joined.splitlines()) if line and not line.startswith("#")]
+        return [
+            line
+            for line in map(str.strip, joined.splitlines())
+            if line and not line.startswith("#")
+        ]
 
 
 def blocks(page: Path) -> Iterator[Block]:

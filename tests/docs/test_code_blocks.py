@@ -28,7 +28,9 @@ EVERY = [block for page in PAGES for block in blocks(page)]
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """An empty folder with what a clone has; files are read in this process and not in a watched child."""
+    """An empty folder with what a clone has; files are read in this process and not in a watched
+    child.
+    """
     for name in ("protocols", "examples", "tests"):
         (tmp_path / name).symlink_to(ROOT / name, target_is_directory=True)
     monkeypatch.setattr(watch, "go_on_watched", lambda *_: None)
@@ -40,14 +42,18 @@ def run_shell(block: Block) -> None:
     for command in block.commands:
         words = shlex.split(command, comments=True)
         if words[0] == "make":
-            targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+            targets = re.findall(
+                r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE
+            )
             assert words[1] in targets, command
         elif words[0] == "python":
             _program(words[1:])
         else:
             assert words[0] == "rig", command
             done = CliRunner().invoke(app, words[1:])
-            wanted = int(block.mark.removeprefix("exits ")) if block.mark.startswith("exits ") else 0
+            wanted = (
+                int(block.mark.removeprefix("exits ")) if block.mark.startswith("exits ") else 0
+            )
             assert done.exit_code == wanted, f"{command}\n{done.output}\n{done.stderr}"
 
 
@@ -73,7 +79,9 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
     elif block.language in ("yaml", ""):
         _yaml(block.text, place)
     else:
-        assert block.language in QUIET, f"{place}: a block in {block.language!r}; what cannot run is marked `text`"
+        assert block.language in QUIET, (
+            f"{place}: a block in {block.language!r}; what cannot run is marked `text`"
+        )
 
 
 def _yaml(text: str, place: str) -> None:
@@ -105,7 +113,9 @@ def test_the_blocks_of_a_page_run(name: str, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted({str(b.page.relative_to(ROOT)) for b in EVERY if b.mark == "slow"}))
+@pytest.mark.parametrize(
+    "name", sorted({str(b.page.relative_to(ROOT)) for b in EVERY if b.mark == "slow"})
+)
 def test_the_long_blocks_of_a_page_run_too(name: str, folder: Path) -> None:
     assert os.getcwd() == str(folder)
     run_page(PAGE_NAMES[name], slow=True)
@@ -113,14 +123,18 @@ def test_the_long_blocks_of_a_page_run_too(name: str, folder: Path) -> None:
 
 @pytest.mark.parametrize("name", PAGE_NAMES)
 def test_links_lead_somewhere(name: str) -> None:
-    """Links to files of the repository; the site's builder looks at anchors and at the pages it builds only."""
+    """Links to files of the repository; the site's builder looks at anchors and at the pages it
+    builds only.
+    """
     page = PAGE_NAMES[name]
     targets = re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8"))
     assert [t for t in targets if "://" not in t and not (page.parent / t).exists()] == []
 
 
 def test_no_block_that_runs_is_held_to_the_wall_clock() -> None:
-    """A busy machine would be late, and a test never times anything; replaying small sessions fast is no risk."""
+    """A busy machine would be late, and a test never times anything; replaying small sessions fast
+    is no risk.
+    """
     paced = [
         (block.page.name, command)
         for block in EVERY

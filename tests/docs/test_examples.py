@@ -47,8 +47,12 @@ def test_a_prediction(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_the_energy_by_hand_is_the_packages_but_for_the_corrections(capsys: pytest.CaptureFixture[str]) -> None:
-    """The uncorrected pole (tau = 1.6 s) leads by 1/(w tau) = 5 mrad, at eta of about 0.6: 1 %, and refills aside."""
+def test_the_energy_by_hand_is_the_packages_but_for_the_corrections(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The uncorrected pole (tau = 1.6 s) leads by 1/(w tau) = 5 mrad, at eta of about 0.6: 1 %, and
+    refills aside.
+    """
     _, by_hand, package = printed("04", capsys).splitlines()
     assert numbers(by_hand)[0] == pytest.approx(numbers(package)[0], rel=0.03)
 
@@ -62,8 +66,8 @@ def test_arrays_against_the_closed_form(capsys: pytest.CaptureFixture[str]) -> N
 
 @pytest.mark.usefixtures("folder")
 def test_two_drives(capsys: pytest.CaptureFixture[str]) -> None:
-    servo, coupled = (line for line in printed("06", capsys).splitlines())
-    distortion = [int(re.findall(r"(\d+)%", line)[0]) for line in (servo, coupled)]
+    prescribed, coupled = (line for line in printed("06", capsys).splitlines())
+    distortion = [int(re.findall(r"(\d+)%", line)[0]) for line in (prescribed, coupled)]
     assert distortion[0] < distortion[1]
 
 

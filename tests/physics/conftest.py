@@ -9,7 +9,7 @@ from rig.protocol.spec import Grains, Scene
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    return load_rig("default")
+    return load_rig("paper")
 
 
 @pytest.fixture

@@ -28,8 +28,8 @@ LEVEL_ERROR, EXPONENT = 0.003, 3.0  # of the drive, relative; of W over the leve
 
 @dataclass(frozen=True)
 class Bank:
-    """Conditions [level][fill] with the refills that the session would state, and W over its geometric mean of beds
-    poured apart from them, shape (levels, fills, pourings)."""
+    """Conditions [level][fill] with the refills that the session would state, and W over its
+    geometric mean of beds poured apart from them, shape (levels, fills, pourings)."""
 
     settings: list[list[Setting]]
     refills: list[list[tuple[float, ...]]]
@@ -50,10 +50,17 @@ class Bank:
             settings.append(Setting.of(condition_facts(condition, rig, point, 10240.0)))
             refills.append(refill_ratios(condition, rig, point.W_T))
             beds = (refill(scene, rig, rng) for _ in range(count))
-            W.append([total_of(scene, rig, bed, drive.acceleration, drive.frequency).total for bed in beds])
+            W.append(
+                [
+                    total_of(scene, rig, bed, drive.acceleration, drive.frequency).total
+                    for bed in beds
+                ]
+            )
         spec = AnalyzerSpec("test", (10240.0,))
         channels = {
-            name: channel_info(Channel(name, ideal_transducer(name), 10.0, "", ""), spec, 10240.0, 39.0)
+            name: channel_info(
+                Channel(name, ideal_transducer(name), 10.0, "", ""), spec, 10240.0, 39.0
+            )
             for name in ("force", "acceleration")
         }
         by_level = [list(range(a, len(settings), len(levels))) for a in range(len(levels))]
@@ -66,7 +73,9 @@ class Bank:
             np.array([ratio[row] for row in by_level]),
         )
 
-    def condition(self, a: int, f: int, rng: np.random.Generator, n: int, is_told: bool = True) -> Result:
+    def condition(
+        self, a: int, f: int, rng: np.random.Generator, n: int, is_told: bool = True
+    ) -> Result:
         """A condition of n refills. is_told: its session states the prediction's refills."""
         setting = self.settings[a][f]
         off = np.exp(LEVEL_ERROR * rng.standard_normal(n))
@@ -74,14 +83,21 @@ class Bank:
         mass, runs = setting.box_mass + setting.bed_mass, []
         for place, (w, level) in enumerate(zip(W, setting.acceleration_set * off, strict=True)):
             phasor = np.array([level + 0j])
-            energy = Energy(20.0, 40, float(w), np.full(40, w), float(w), 0.0, float(w), mass * phasor, phasor)
+            energy = Energy(
+                20.0, 40, float(w), np.full(40, w), float(w), 0.0, float(w), mass * phasor, phasor
+            )
             runs.append(RunEnergy(f"{setting.id}{place}", setting.id, place, place, energy))
         levels = [setting.acceleration_set * k for k in (0.97, 1.0, 1.03)]
-        entry = {"acceleration": levels, "W_T": [(x / setting.acceleration_set) ** EXPONENT for x in levels]}
+        entry = {
+            "acceleration": levels,
+            "W_T": [(x / setting.acceleration_set) ** EXPONENT for x in levels],
+        }
         refills = {"refills": list(self.refills[a][f])} if is_told else {}
         return evaluate(setting, runs, built(PredictionEntry, {**entry, **refills}), self.channels)
 
     def session(self, rng: np.random.Generator, n: int, is_told: bool = True) -> list[list[Result]]:
         """A session in which all fills are alike in the mean of ln W, [level][fill]."""
         levels, fills = self.W.shape[:2]
-        return [[self.condition(a, f, rng, n, is_told) for f in range(fills)] for a in range(levels)]
+        return [
+            [self.condition(a, f, rng, n, is_told) for f in range(fills)] for a in range(levels)
+        ]

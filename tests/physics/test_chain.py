@@ -22,15 +22,21 @@ from rig.theory.chain import (
 
 
 def test_velocity_of_the_seventh_grain() -> None:
-    """Erratum of the text: .0596, .1452, .3153, .6264 at e = .25, .45, .65, .85, not 6 % below e = .65."""
+    """Erratum of the text: .0596, .1452, .3153, .6264 at e = .25, .45, .65, .85, not 6 % below e =
+    .65.
+    """
     found = [chain_velocities(np.ones(7), e, 1.0)[-1] for e in (0.25, 0.45, 0.65, 0.85)]
     np.testing.assert_allclose(found, [0.0596, 0.1452, 0.3153, 0.6264], atol=5e-5)
 
 
 def test_unequal_masses_against_a_two_body_hand_calculation() -> None:
-    """m = 1 kg at 2 m/s onto 3 kg at rest, e = 0.5: v2 = 0.75, v1 = -0.25, loss 2 - (0.03125 + 0.84375) J."""
+    """m = 1 kg at 2 m/s onto 3 kg at rest, e = 0.5: v2 = 0.75, v1 = -0.25, loss 2 - (0.03125 +
+    0.84375) J.
+    """
     np.testing.assert_allclose(chain_velocities([1.0, 3.0], 0.5, 2.0), [2.0, 0.75], rtol=1e-15)
-    assert first_wave_loss([1.0, 3.0], 0.5, 2.0) == pytest.approx(2.0 - 0.03125 - 0.84375, rel=1e-14)
+    assert first_wave_loss([1.0, 3.0], 0.5, 2.0) == pytest.approx(
+        2.0 - 0.03125 - 0.84375, rel=1e-14
+    )
 
 
 @given(st.integers(2, 60), st.floats(0.0, 0.999))
@@ -58,7 +64,9 @@ def test_grains_that_fit_exactly_are_all_counted() -> None:
 
 
 def test_row_restitution_against_the_design_table() -> None:
-    """model.md: .25, .076, .019, .001 at n = 10, 16, 21, 25 for e = .9, e0 = .75; 25 is already taken as plastic."""
+    """model.md: .25, .076, .019, .001 at n = 10, 16, 21, 25 for e = .9, e0 = .75; 25 is already
+    taken as plastic.
+    """
     found = [row_restitution(n, 0.9, 0.75) for n in (10, 16, 21)]
     np.testing.assert_allclose(found, [0.25, 0.076, 0.019], rtol=0.025)  # the table has two digits
     assert row_restitution(25, 0.9, 0.75) == 0.0
@@ -84,8 +92,12 @@ def test_row_restitution_never_creates_momentum_or_energy(n: int, e: float, e0: 
 
 def test_unequal_restitutions_along_the_chain() -> None:
     """Eq 21 with e = 0.5, then 0: unit grains, v = 1, 0.75, 0.375; losses 0.75/4 and 0.75^2/4."""
-    np.testing.assert_allclose(chain_velocities(np.ones(3), [0.5, 0.0], 1.0), [1.0, 0.75, 0.375], rtol=1e-15)
-    assert first_wave_loss(np.ones(3), [0.5, 0.0], 1.0) == pytest.approx((0.75 + 0.5625) / 4.0, rel=1e-15)
+    np.testing.assert_allclose(
+        chain_velocities(np.ones(3), [0.5, 0.0], 1.0), [1.0, 0.75, 0.375], rtol=1e-15
+    )
+    assert first_wave_loss(np.ones(3), [0.5, 0.0], 1.0) == pytest.approx(
+        (0.75 + 0.5625) / 4.0, rel=1e-15
+    )
 
 
 @given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3), st.floats(0.0, 1.0))
@@ -103,7 +115,9 @@ def test_velocity_that_a_wall_gives() -> None:
 
 
 def test_limits_of_the_chain() -> None:
-    """e -> 1: all arrives, nothing is lost. e -> 0: halves. n -> infinity: nothing arrives, (1 + e)/(3 + e) is lost."""
+    """e -> 1: all arrives, nothing is lost. e -> 0: halves. n -> infinity: nothing arrives, (1 +
+    e)/(3 + e) is lost.
+    """
     assert chain_velocities(np.ones(50), 1.0, 1.0)[-1] == 1.0
     assert first_wave_loss(np.ones(50), 1.0, 1.0) == 0.0
     assert chain_velocities(np.ones(5), 0.0, 1.0)[-1] == 0.5**4
@@ -121,7 +135,9 @@ def test_whole_collision_of_two_unequal_grains_by_hand() -> None:
 def test_whole_collision_is_the_row_of_the_closed_tier() -> None:
     for grains, e in ((2, 0.5), (10, 0.9), (24, 0.9)):
         after = chain_collision(np.ones(grains), e, -1.0, restitution_wall=0.75)
-        assert after.velocity.mean() == pytest.approx(row_restitution(grains, e, 0.75), rel=0.02, abs=1e-3)
+        assert after.velocity.mean() == pytest.approx(
+            row_restitution(grains, e, 0.75), rel=0.02, abs=1e-3
+        )
 
 
 @given(
@@ -130,14 +146,18 @@ def test_whole_collision_is_the_row_of_the_closed_tier() -> None:
     st.one_of(st.none(), st.floats(0.0, 1.0)),
 )
 def test_whole_collision_balances(masses: list[float], e: float, e0: float | None) -> None:
-    """Energy drop is the loss over pairs and wall; momentum stays without a wall; none closes on another."""
+    """Energy drop is the loss over pairs and wall; momentum stays without a wall; none closes on
+    another.
+    """
     v = -np.ones(len(masses)) if e0 is not None else np.eye(len(masses))[0]
     after = chain_collision(masses, e, v, e0)
     m = np.array(masses)
     start = 0.5 * np.sum(m * v**2)
     end = 0.5 * np.sum(m * after.velocity**2)
     # each of the hits rounds once
-    assert start - end == pytest.approx(after.loss + after.wall_loss, abs=start * 1e-15 * (100 + after.hits))
+    assert start - end == pytest.approx(
+        after.loss + after.wall_loss, abs=start * 1e-15 * (100 + after.hits)
+    )
     assert after.loss >= 0.0
     assert after.wall_loss >= 0.0
     if e0 is None:
@@ -150,13 +170,17 @@ def test_whole_collision_balances(masses: list[float], e: float, e0: float | Non
 def test_elastic_grains_lose_nothing() -> None:
     after = chain_collision([1.0, 50.0, 0.2, 7.0], 1.0, -1.0, restitution_wall=1.0)
     assert after.loss == after.wall_loss == 0.0
-    assert np.sum(np.array([1.0, 50.0, 0.2, 7.0]) * after.velocity**2) == pytest.approx(58.2, rel=1e-12)
+    assert np.sum(np.array([1.0, 50.0, 0.2, 7.0]) * after.velocity**2) == pytest.approx(
+        58.2, rel=1e-12
+    )
 
 
 def test_a_collapse_is_ended_by_the_contact_duration() -> None:
-    """20 grains of e = 0.5 on a wall, n (1 - e) = 10: millions of hits without it, all but 10 % of the energy with it.
+    """20 grains of e = 0.5 on a wall, n (1 - e) = 10: millions of hits without it, all but 10 % of
+    the energy with it.
 
-    What the last elastic hits leave depends on when they set in, without a trend: at most 0.1 in rows of 7 to 40.
+    What the last elastic hits leave depends on when they set in, without a trend: at most 0.1 in
+    rows of 7 to 40.
     """
     for share in (1e-3, 1e-6, 1e-9):
         after = chain_collision(np.ones(20), 0.5, -1.0, restitution_wall=0.75, contact_time=share)
@@ -182,7 +206,9 @@ def test_a_file_at_rest_stays() -> None:
     ("wall", "longest", "most"),
     [(0.0, 9, 3e-5), (0.3, 9, 3e-4), (0.75, 30, 1.3e-3), (0.85, 30, 5.3e-3), (1.0, 60, 0.0134)],
 )
-def test_the_rebound_left_out_at_collapse_is_what_the_module_says(wall: float, longest: int, most: float) -> None:
+def test_the_rebound_left_out_at_collapse_is_what_the_module_says(
+    wall: float, longest: int, most: float
+) -> None:
     """Event by event, just at n (1 - e) = `COLLAPSE`, where the rebound is taken as nil."""
     left_out = [float(rebound(n, 1.0 - COLLAPSE / n, wall)) for n in range(3, longest + 1)]
     assert min(left_out) >= 0.0

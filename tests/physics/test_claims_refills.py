@@ -1,4 +1,6 @@
-"""Claims about beds that are the same: W of poured beds, which no normal distribution is, through the claims' tests."""
+"""Claims about beds that are the same: W of poured beds, which no normal distribution is, through
+the claims' tests.
+"""
 
 import numpy as np
 import pytest
@@ -34,7 +36,10 @@ def poured():
     protocol = load_protocol(TEXT)
     condition, rig, rng = conditions(protocol)[0], load_rig(protocol.rig), np.random.default_rng(8)
     drive, scene = condition.drive, condition.scene
-    W = [total_of(scene, rig, refill(scene, rig, rng), drive.acceleration, drive.frequency).total for _ in range(150)]
+    W = [
+        total_of(scene, rig, refill(scene, rig, rng), drive.acceleration, drive.frequency).total
+        for _ in range(150)
+    ]
     spec = AnalyzerSpec("test", (10240.0,))
     channels = {
         name: channel_info(Channel(name, ideal_transducer(name), 10.0, "", ""), spec, 10240.0, 39.0)
@@ -49,7 +54,13 @@ def level(rng, poured, label):
     phasor = np.array([setting.acceleration_set + 0j])
     mass = setting.box_mass + setting.bed_mass
     runs = [
-        RunEnergy(f"{label}{i}", label, i, i, Energy(20.0, 40, W, np.full(40, W), W, 0.0, W, mass * phasor, phasor))
+        RunEnergy(
+            f"{label}{i}",
+            label,
+            i,
+            i,
+            Energy(20.0, 40, W, np.full(40, W), W, 0.0, W, mass * phasor, phasor),
+        )
         for i, W in enumerate(rng.choice(pool, N))
     ]
     return Level(label, (evaluate(setting, runs, None, channels),))
@@ -64,5 +75,8 @@ def test_equal_beds_are_rarely_told_apart(poured, kind, count, trials):
     rng = np.random.default_rng(9)
     labels = [str(i) for i in range(count)]
     question = Question(("0",) if kind == "optimum" else (labels[0], labels[-1]), (), 1)
-    found = [TESTS[kind]([level(rng, poured, name) for name in labels], question).verdict for _ in range(trials)]
+    found = [
+        TESTS[kind]([level(rng, poured, name) for name in labels], question).verdict
+        for _ in range(trials)
+    ]
     assert found.count("holds") <= stats.binom.ppf(0.999, trials, 0.05)

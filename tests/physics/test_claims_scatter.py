@@ -1,7 +1,8 @@
-"""How often the true best fill is excluded, and how often it is found, with refills of the bed itself.
+"""How often the true best fill is excluded, and how often it is found, with refills of the bed
+itself.
 
-`PYTHONPATH=. python tests/physics/test_claims_scatter.py 600` prints both at 4 and 8 refills, beside Dunnett's test
-with one scatter pooled over the fills, which excludes the best too often.
+`PYTHONPATH=. python tests/physics/test_claims_scatter.py 600` prints both at 4 and 8 refills,
+beside Dunnett's test with one scatter pooled over the fills, which excludes the best too often.
 """
 
 import sys
@@ -15,7 +16,10 @@ from scipy import stats
 from analysis.comparison.claim_tests import LEVEL, Level, Scatter, logs
 from analysis.uncertainty.multiple_comparisons import beaten
 
-CLEAR = {4: 0.15, 8: 0.10}  # refills -> ln of how far the best is above all others, where the power is asked
+CLEAR = {
+    4: 0.15,
+    8: 0.10,
+}  # refills -> ln of how far the best is above all others, where the power is asked
 
 
 @dataclass(frozen=True)
@@ -42,9 +46,9 @@ class Pooled:
 
 @dataclass(frozen=True)
 class Shares:
-    """Of the sessions, shape (levels, fills): in which a fill is excluded though none is better, and in which it is
-    told to be the only best where it is better than all others by CLEAR; by the claims' test and with one pooled
-    scatter."""
+    """Of the sessions, shape (levels, fills): in which a fill is excluded though none is better,
+    and in which it is told to be the only best where it is better than all others by CLEAR; by the
+    claims' test and with one pooled scatter."""
 
     excluded: np.ndarray
     excluded_pooled: np.ndarray
@@ -52,7 +56,9 @@ class Shares:
     found_pooled: np.ndarray
 
 
-def shares(source: Bank, n: int, sessions: int, is_told: bool = True, power: bool = False) -> Shares:
+def shares(
+    source: Bank, n: int, sessions: int, is_told: bool = True, power: bool = False
+) -> Shares:
     levels, fills = source.W.shape[:2]
     count, rng = np.zeros((4, levels, fills)), np.random.default_rng(9)
     other = Pooled.of(fills, n)
@@ -67,7 +73,9 @@ def shares(source: Bank, n: int, sessions: int, is_told: bool = True, power: boo
             count[0, a] += np.array(beaten(told.means, told.most)) <= LEVEL
             count[1, a] += other.beaten(mean, s)
             for f in range(fills if power else 0):
-                raised = [(m + CLEAR[n] * (f == j), v, nu) for j, (m, v, nu) in enumerate(told.means)]
+                raised = [
+                    (m + CLEAR[n] * (f == j), v, nu) for j, (m, v, nu) in enumerate(told.means)
+                ]
                 out = np.array(beaten(raised, told.most)) <= LEVEL
                 count[2, a, f] += not out[f] and out.sum() == fills - 1
                 out = other.beaten(mean + CLEAR[n] * (np.arange(fills) == f), s)
@@ -82,8 +90,8 @@ def some() -> Bank:
 
 @pytest.mark.parametrize("is_told", [True, False])
 def test_the_true_best_is_rarely_excluded(some, is_told):
-    """At most 5 % of 120 sessions, within the band of 0.1 % over all five. The pooled scatter excludes 95 % fill, which
-    scatters six times as much as the others, in 14 %."""
+    """At most 5 % of 120 sessions, within the band of 0.1 % over all five. The pooled scatter
+    excludes 95 % fill, which scatters six times as much as the others, in 14 %."""
     found = shares(some, 4, 120, is_told)
     assert found.excluded.max() * 120 <= stats.binom.ppf(1 - 0.001 / 5, 120, LEVEL)
     assert found.excluded[0, -1] < found.excluded_pooled[0, -1]
@@ -103,7 +111,9 @@ def main(sessions: int) -> None:
     for n, clear in CLEAR.items():
         for is_told in (True, False):
             found = shares(source, n, sessions, is_told, power=True)
-            print(f"{n} refills, {'predicted' if is_told else 'none predicted'}, %: this test / one pooled scatter")
+            print(
+                f"{n} refills, {'predicted' if is_told else 'none predicted'}, %: this test / one pooled scatter"
+            )
             for name, ours, theirs in (
                 ("excluded, none better", found.excluded, found.excluded_pooled),
                 (f"only best, better by {clear}", found.found, found.found_pooled),

@@ -28,7 +28,9 @@ class Massless:
 
 
 def test_an_armature_is_mass_flexure_and_damping() -> None:
-    """By an independent road: the acceleration integrated twice by Simpson's rule, from the motion's start."""
+    """By an independent road: the acceleration integrated twice by Simpson's rule, from the
+    motion's start.
+    """
     armature = Armature.of(exciter("JZ-30"))
     n = 2 * PER_CYCLE
     force, acceleration = CoilForce(Massless(), armature, MOTION).read(n)
@@ -52,7 +54,12 @@ def test_only_the_damping_takes_energy() -> None:
     position = MOTION.at(2 * np.pi * np.arange(PER_CYCLE + 1) / PER_CYCLE)[0]
     found = float((force * np.diff(position)).sum())
     parts = [
-        np.pi * armature.damping * h * MOTION.omega * (MOTION.length_unit / h**2) ** 2 * (p * p + q * q)
+        np.pi
+        * armature.damping
+        * h
+        * MOTION.omega
+        * (MOTION.length_unit / h**2) ** 2
+        * (p * p + q * q)
         for h, (p, q) in enumerate(zip(MOTION.sine, MOTION.cosine, strict=True), 1)
     ]
     assert found == pytest.approx(sum(parts), rel=1e-5)

@@ -25,8 +25,12 @@ X = np.array([[1.0, 0.0, 0.0]])
 STILL = [[0.0, 0.0, 0.0]]
 
 
-def random_pairs(rng: np.random.Generator, spin: bool) -> tuple[Bodies, Bodies, np.ndarray, Contact]:
-    """Mass ratio to 1e6, e 0..1, mu 0..2, b0 0..1; every tenth normal vertical, every tenth pair without slip."""
+def random_pairs(
+    rng: np.random.Generator, spin: bool
+) -> tuple[Bodies, Bodies, np.ndarray, Contact]:
+    """Mass ratio to 1e6, e 0..1, mu 0..2, b0 0..1; every tenth normal vertical, every tenth pair
+    without slip.
+    """
     m1 = np.exp(rng.uniform(-np.log(1e3), np.log(1e3), PAIRS))
     m2 = np.exp(rng.uniform(-np.log(1e3), np.log(1e3), PAIRS))
     n = normals(np.zeros((PAIRS, 3)), rng.standard_normal((PAIRS, 3)))
@@ -51,12 +55,14 @@ def inertia(body: Bodies) -> np.ndarray:
 def energy(first: Bodies, second: Bodies, after: AfterCollision | None = None) -> np.ndarray:
     v = (first.velocity, second.velocity) if after is None else (after.velocity1, after.velocity2)
     total = sum(
-        0.5 * np.asarray(b.mass) * np.sum(np.square(u), axis=1) for b, u in zip((first, second), v, strict=True)
+        0.5 * np.asarray(b.mass) * np.sum(np.square(u), axis=1)
+        for b, u in zip((first, second), v, strict=True)
     )
     if first.spin is not None:
         s = (first.spin, second.spin) if after is None else (after.spin1, after.spin2)
         total = total + sum(
-            0.5 * inertia(b) * np.sum(np.square(u), axis=1) for b, u in zip((first, second), s, strict=True)
+            0.5 * inertia(b) * np.sum(np.square(u), axis=1)
+            for b, u in zip((first, second), s, strict=True)
         )
     return total
 
@@ -81,7 +87,9 @@ def test_a_million_random_pairs(spin: bool) -> None:
     coming = np.einsum("pi,pi->p", np.subtract(first.velocity, second.velocity), n)
     hit = coming > 0.0
     # each velocity carries round-off of its own size
-    np.testing.assert_allclose(parting[hit], (-np.asarray(contact.restitution) * coming)[hit], atol=1e-13 * 20)
+    np.testing.assert_allclose(
+        parting[hit], (-np.asarray(contact.restitution) * coming)[hit], atol=1e-13 * 20
+    )
     assert (after.velocity1[~hit] == np.asarray(first.velocity)[~hit]).all()
     assert (after.loss[~hit] == 0.0).all()
 
@@ -95,7 +103,9 @@ def test_angular_momentum_with_spin() -> None:
     parts = (np.cross(arm, m2 * second.velocity), I1 * first.spin, I2 * second.spin)
     left = np.cross(arm, m2 * after.velocity2) + I1 * after.spin1 + I2 * after.spin2
     scale = sum(np.linalg.norm(part, axis=1, keepdims=True) for part in parts)
-    impulse = np.linalg.norm(arm, axis=1, keepdims=True) * np.linalg.norm(after.impulse, axis=1, keepdims=True)
+    impulse = np.linalg.norm(arm, axis=1, keepdims=True) * np.linalg.norm(
+        after.impulse, axis=1, keepdims=True
+    )
     assert (np.abs(left - sum(parts)) / (scale + impulse)).max() < 1e-12
 
 
@@ -103,14 +113,21 @@ def test_the_law_does_not_depend_on_the_frame() -> None:
     first, second, n, contact = random_pairs(np.random.default_rng(13), False)
     wind = np.array([3.0, -2.0, 1.0])
     here = collide(first, second, n, contact)
-    there = collide(Bodies(first.mass, first.velocity + wind), Bodies(second.mass, second.velocity + wind), n, contact)
+    there = collide(
+        Bodies(first.mass, first.velocity + wind),
+        Bodies(second.mass, second.velocity + wind),
+        n,
+        contact,
+    )
     # velocities of size 4 differ by a few of their last bits, times 2 m_r
     tolerance = 1e-14 * (1.0 + reduced_mass(first.mass, second.mass))
     assert (np.abs(here.impulse - there.impulse) < 20 * tolerance[:, None]).all()
 
 
 def test_unequal_masses_by_hand() -> None:
-    """3 kg at 2 m/s onto 1 kg at rest, e = 0.5: m_r = 0.75, J = 2.25 N s, v = 1.25 and 2.25 m/s, loss 1.125 J."""
+    """3 kg at 2 m/s onto 1 kg at rest, e = 0.5: m_r = 0.75, J = 2.25 N s, v = 1.25 and 2.25 m/s,
+    loss 1.125 J.
+    """
     after = collide(Bodies([3.0], 2.0 * X), Bodies([1.0], STILL), X, Contact(0.5))
     assert after.velocity1[0].tolist() == [1.25, 0.0, 0.0]
     assert after.velocity2[0].tolist() == [2.25, 0.0, 0.0]
@@ -118,7 +135,9 @@ def test_unequal_masses_by_hand() -> None:
 
 
 def test_sliding_and_sticking_by_hand() -> None:
-    """w = u = 1, equal unit masses, e = 1: J_n = 1; mu = 0.2: J_t = 0.2, loss 0.2 - 0.04; mu = 2: sticks, m_t/2."""
+    """w = u = 1, equal unit masses, e = 1: J_n = 1; mu = 0.2: J_t = 0.2, loss 0.2 - 0.04; mu = 2:
+    sticks, m_t/2.
+    """
     hit = Bodies([1.0], [[1.0, 1.0, 0.0]])
     slide = collide(hit, Bodies([1.0], STILL), X, Contact(1.0, 0.2))
     assert slide.loss[0] == pytest.approx(0.2 - 0.04, rel=1e-14)
@@ -128,7 +147,9 @@ def test_sliding_and_sticking_by_hand() -> None:
 
 
 def test_a_rolling_start_leaves_five_sevenths() -> None:
-    """A solid sphere onto a rough wall: its tangential speed floors at 5/7, with the spin of rolling."""
+    """A solid sphere onto a rough wall: its tangential speed floors at 5/7, with the spin of
+    rolling.
+    """
     after = collide(
         Bodies([1.0], [[1.0, 0.0, -1.0]], [0.5], STILL), Bodies([np.inf], STILL, [1.0], STILL),
         [[0.0, 0.0, -1.0]], Contact(0.7, 10.0),
@@ -151,7 +172,9 @@ def test_degenerate_pairs_are_left_alone() -> None:
     """Departing, sliding past, coincident centres, at rest."""
     v1 = np.array([[-1.0, 0, 0], [0.0, 1, 0], [1.0, 2, 3], [0.0, 0, 0]])
     n = np.array([[1.0, 0, 0], [1.0, 0, 0], [0.0, 0, 0], [1.0, 0, 0]])
-    after = collide(Bodies(np.ones(4), v1), Bodies(np.ones(4), np.zeros((4, 3))), n, Contact(0.5, 0.5))
+    after = collide(
+        Bodies(np.ones(4), v1), Bodies(np.ones(4), np.zeros((4, 3))), n, Contact(0.5, 0.5)
+    )
     assert (after.velocity1 == v1).all()
     assert (after.impulse == 0.0).all()
     assert (after.loss == 0.0).all()
@@ -159,7 +182,9 @@ def test_degenerate_pairs_are_left_alone() -> None:
 
 def test_coincident_centres_have_no_normal_and_near_ones_do() -> None:
     assert normals(STILL, STILL).tolist() == STILL
-    np.testing.assert_allclose(normals(STILL, [[3e-300, 4e-300, 0.0]]), [[0.6, 0.8, 0.0]], rtol=1e-15)
+    np.testing.assert_allclose(
+        normals(STILL, [[3e-300, 4e-300, 0.0]]), [[0.6, 0.8, 0.0]], rtol=1e-15
+    )
     np.testing.assert_allclose(normals(STILL, [[3e200, 4e200, 0.0]]), [[0.6, 0.8, 0.0]], rtol=1e-15)
 
 

@@ -1,4 +1,4 @@
-"""The stand in coupled drive: laws that hold whatever the motion is."""
+"""The stand in shaker-coupled drive: laws that hold whatever the motion is."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from rig.stand.ledger import COUPLED_COLUMNS
 from rig.stand.shaker import CoupledStand
 
 RATE = 4096 * 20.0
-COUPLED = Drive(mode="coupled", amplifier="current")
+COUPLED = Drive(mode="shaker", amplifier="current")
 
 
 def stand(scene: Scene, rig: Rig, drive: Drive = COUPLED, **more: object) -> CoupledStand:
@@ -27,9 +27,11 @@ def column(ledger: np.ndarray, name: str) -> np.ndarray:
 @pytest.mark.parametrize("amplifier", ["voltage", "current"])
 @pytest.mark.parametrize("bed", ["empty", "locked", "dashpot", "layers"])
 def test_both_accounts_close(rig: Rig, steel: Scene, bed: str, amplifier: str) -> None:
-    """At the gauge plane and at the amplifier's terminals; quadrature of fourth order leaves 1e-9, impacts nothing."""
+    """At the gauge plane and at the amplifier's terminals; quadrature of fourth order leaves 1e-9,
+    impacts nothing.
+    """
     scene = replace(steel, bed=bed, losses=("noise", "air", "gas", "mount"), support="guide")
-    tested = stand(scene, rig, Drive(mode="coupled", amplifier=amplifier))  # type: ignore[arg-type]
+    tested = stand(scene, rig, Drive(mode="shaker", amplifier=amplifier))  # type: ignore[arg-type]
     tested.advance(Command((10.0 + 0j,), 20.0, 8))
     ledger = tested.drain_ledger()
     assert column(ledger, "W_gauge")[-1] > 0
@@ -38,9 +40,9 @@ def test_both_accounts_close(rig: Rig, steel: Scene, bed: str, amplifier: str) -
 
 
 def test_the_signals_are_those_of_the_account(rig: Rig, steel: Scene) -> None:
-    """Force times velocity from the record alone, summed, is W_gauge: both are means over the same intervals, and an
-    impact counts half on either side of its edge. Products of means leave out (w h)^2/12: 2e-4 at the stinger's 715 Hz
-    and less at the harmonics that carry the work."""
+    """Force times velocity from the record alone, summed, is W_gauge: both are means over the same
+    intervals, and an impact counts half on either side of its edge. Products of means leave out (w
+    h)^2/12: 2e-4 at the stinger's 715 Hz and less at the harmonics that carry the work."""
     tested = stand(steel, rig)
     record = [tested.advance(Command((10.0 + 0j,), 20.0, 8))]
     before = tested.drain_ledger()

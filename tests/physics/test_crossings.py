@@ -1,4 +1,6 @@
-"""Where a waveform crosses a level: the region behind the last crossing of a peak is the one below it."""
+"""Where a waveform crosses a level: the region behind the last crossing of a peak is the one below
+it.
+"""
 
 import numpy as np
 import pytest
@@ -9,9 +11,9 @@ from rig.kernels.waveform import crossings, extrema, motion
 @pytest.mark.parametrize("ulps", range(-40, 41, 4))
 @pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi, 13))
 def test_a_level_that_is_just_reached_is_left_again(ulps: int, angle: float) -> None:
-    """Bands within 40 units in the last place of the peak: between the two peaks the acceleration is inside the band,
-    so every line of the table that does not sit at a peak, to the width sqrt(2 x 40 eps) of the cap cut off there, has
-    region 0."""
+    """Bands within 40 units in the last place of the peak: between the two peaks the acceleration
+    is inside the band, so every line of the table that does not sit at a peak, to the width sqrt(2
+    x 40 eps) of the cap cut off there, has region 0."""
     P, Q = np.array([np.cos(angle), 0.0, 0.01]), np.array([np.sin(angle), 0.02, 0.0])
     turning = extrema(P, Q)
     peaks = [motion(phase, P, Q)[2] for phase in turning]
@@ -26,4 +28,8 @@ def test_a_level_that_is_just_reached_is_left_again(ulps: int, angle: float) -> 
             a = motion(middle, P, Q)[2]
             if abs(abs(a) - band) > 1e-12:
                 last = lines[lines[:, 0] == phase][-1]
-                assert last[3] == (1.0 if a > band else -1.0 if a < -band else 0.0), (behind, a, band)
+                assert last[3] == (1.0 if a > band else -1.0 if a < -band else 0.0), (
+                    behind,
+                    a,
+                    band,
+                )

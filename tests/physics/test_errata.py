@@ -51,7 +51,9 @@ def test_numbers(equation: str, words: str, printed: float, corrected: float) ->
 def test_what_holds_as_printed_has_equal_numbers() -> None:
     for found in ROWS:
         if found.holds and found.printed_value is not None:
-            assert found.corrected_value == pytest.approx(found.printed_value, rel=1e-12, abs=1e-12), found.subject
+            assert found.corrected_value == pytest.approx(
+                found.printed_value, rel=1e-12, abs=1e-12
+            ), found.subject
 
 
 def test_every_equation_is_there() -> None:

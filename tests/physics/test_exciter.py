@@ -28,10 +28,12 @@ def phases() -> Array:
 
 
 def forwards(model: Exciter, mass: float, omega: float, voltage: float) -> dict[str, float]:
-    """Amplitudes of exciter and a rigid load of `mass` (0: none) on the stinger, driven by voltage sin wt.
+    """Amplitudes of exciter and a rigid load of `mass` (0: none) on the stinger, driven by voltage
+    sin wt.
 
-    Newton's law for armature, body and load and Kirchhoff's for the coil, integrated over one period by scipy; the
-    periodic state is found by shooting, for the equations are linear. Nothing of this is in phasors.
+    Newton's law for armature, body and load and Kirchhoff's for the coil, integrated over one
+    period by scipy; the periodic state is found by shooting, for the equations are linear. Nothing
+    of this is in phasors.
     """
     m = model
     c_flexure = 2.0 * m.flexure_damping_ratio * np.sqrt(m.flexure_stiffness * m.moving_mass)
@@ -83,17 +85,24 @@ def forwards(model: Exciter, mass: float, omega: float, voltage: float) -> dict[
 @pytest.mark.parametrize("frequency", [12.0, 20.0, 60.0])
 @pytest.mark.parametrize("mass", [12.0, 57.0])
 def test_the_voltage_asked_for_makes_the_motion(name: str, frequency: float, mass: float) -> None:
-    """A locked bed is a rigid mass: fed the voltage that `demand` gives, the exciter shakes it at the set level."""
+    """A locked bed is a rigid mass: fed the voltage that `demand` gives, the exciter shakes it at
+    the set level.
+    """
     model, motion = exciter(name), Waveform(frequency, 5.0)
     use = asked(model, -mass * motion.acceleration * np.sin(phases()), motion)
     found = forwards(model, mass, motion.omega, use.voltage * model.voltage_peak)
-    # rtol 1e-10 of the integrator, a few hundred steps, times the condition of the shooting (lightly damped mount)
+    # rtol 1e-10 of the integrator, a few hundred steps, times the condition of the shooting
+    # (lightly damped mount)
     assert found["load"] == pytest.approx(motion.length_unit, rel=1e-6)
     assert found["current"] == pytest.approx(use.current * model.current_peak, rel=1e-6)
     assert found["stroke"] == pytest.approx(use.stroke * model.stroke, rel=1e-6)
-    assert use.force * model.force_peak == pytest.approx(model.force_constant * found["current"], rel=1e-6)
+    assert use.force * model.force_peak == pytest.approx(
+        model.force_constant * found["current"], rel=1e-6
+    )
     assert use.peak * model.force_peak == pytest.approx(mass * motion.acceleration, rel=1e-12)
-    assert use.buckling * model.stinger_buckling == pytest.approx(mass * motion.acceleration, rel=1e-12)
+    assert use.buckling * model.stinger_buckling == pytest.approx(
+        mass * motion.acceleration, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -108,7 +117,9 @@ def test_without_a_load_the_armature_still_has_to_be_moved(name: str) -> None:
 
 
 def test_heavy_body_and_no_springs_leave_newton_and_ohm() -> None:
-    """Body at rest, no springs, no inductance: BL i = (M + m_a) a, e = R i + BL v in quadrature, stroke = a/w^2."""
+    """Body at rest, no springs, no inductance: BL i = (M + m_a) a, e = R i + BL v in quadrature,
+    stroke = a/w^2.
+    """
     model = replace(
         exciter("JZ-30"),
         body_mass=1e15,
@@ -122,30 +133,41 @@ def test_heavy_body_and_no_springs_leave_newton_and_ohm() -> None:
     use = asked(model, -mass * motion.acceleration * np.sin(phases()), motion)
     thrust = (mass + model.moving_mass) * motion.acceleration
     voltage = np.hypot(
-        model.resistance * thrust / model.force_constant, model.force_constant * motion.acceleration / motion.omega
+        model.resistance * thrust / model.force_constant,
+        model.force_constant * motion.acceleration / motion.omega,
     )
     assert use.force == pytest.approx(thrust / model.force_peak, rel=1e-9)
-    assert use.current == pytest.approx(thrust / model.force_constant / model.current_peak, rel=1e-9)
+    assert use.current == pytest.approx(
+        thrust / model.force_constant / model.current_peak, rel=1e-9
+    )
     assert use.voltage == pytest.approx(voltage / model.voltage_peak, rel=1e-9)
     assert use.stroke == pytest.approx(motion.length_unit / model.stroke, rel=1e-9)
 
 
 @pytest.mark.parametrize("harmonics", [1, 7, 40])
 def test_peak_of_an_impact_is_what_the_band_lets_through(harmonics: int) -> None:
-    """One impulse J a cycle has every harmonic at 2 J f in phase: H of them add up to 2 H J f, less than the impact."""
+    """One impulse J a cycle has every harmonic at 2 J f in phase: H of them add up to 2 H J f, less
+    than the impact.
+    """
     model, motion, height = exciter("JZ-30"), Waveform(20.0, 5.0), 4000.0
     force = np.zeros(PER_CYCLE)
     force[100] = height
     use = asked(model, force, motion, band=(harmonics + 0.5) * motion.frequency)
-    assert use.peak == pytest.approx(2 * harmonics * height / PER_CYCLE / model.force_peak, rel=1e-12)
-    assert use.buckling == pytest.approx(use.peak * model.force_peak / model.stinger_buckling, rel=1e-12)
+    assert use.peak == pytest.approx(
+        2 * harmonics * height / PER_CYCLE / model.force_peak, rel=1e-12
+    )
+    assert use.buckling == pytest.approx(
+        use.peak * model.force_peak / model.stinger_buckling, rel=1e-12
+    )
 
 
 def test_impacts_count_in_the_peak_only() -> None:
     """The other shares are rated on the fundamental: harmonics of the force do not move them."""
     model, motion = exciter("JZ-30"), Waveform(20.0, 5.0)
     sine = -12.0 * motion.acceleration * np.sin(phases())
-    plain, rough = (asked(model, sine + spike * np.cos(9 * phases()), motion) for spike in (0.0, 30.0))
+    plain, rough = (
+        asked(model, sine + spike * np.cos(9 * phases()), motion) for spike in (0.0, 30.0)
+    )
     for name in ("force", "current", "voltage", "stroke"):
         assert getattr(rough, name) == pytest.approx(getattr(plain, name), rel=1e-12)
     assert rough.peak > plain.peak

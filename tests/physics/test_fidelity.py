@@ -1,4 +1,6 @@
-"""`fidelity: auto` on beds alone: its kernel, its estimate of scatter, and what it promises of rows and windows."""
+"""`fidelity: auto` on beds alone: its kernel, its estimate of scatter, and what it promises of rows
+and windows.
+"""
 
 from dataclasses import replace
 
@@ -31,16 +33,23 @@ def at(acceleration: float) -> Drive:
 
 @pytest.mark.parametrize("acceleration", [1.0, 2.0, 5.0])
 def test_the_pilot_sees_what_the_bed_does(acceleration: float, rig: Rig) -> None:
-    """Work per cycle against the bed in a sampled box, whose steady rows are replayed from a later period: states recur
-    within 1e-10 of a play, of which each row has its own; steady energy against the closed tier."""
+    """Work per cycle against the bed in a sampled box, whose steady rows are replayed from a later
+    period: states recur within 1e-10 of a clearance, of which each row has its own; steady energy
+    against the closed tier."""
     scene, cycles = balls(fill=0.6), 96
     found = rows_pilot(scene, rig, at(acceleration), nominal(scene, rig), cycles)
-    bed = LayersBed(stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0))
+    bed = LayersBed(
+        stack(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, acceleration), 64.0)
+    )
     work = np.concatenate([bed.advance(2).work for _ in range(cycles // 2)])
     inertial = np.pi * bed.mass * Waveform(20.0, acceleration).velocity_unit ** 2
-    kept = 1e-10 if found.repeating == 1.0 else 1e-4  # a row without a period doubles a difference in each cycle
+    kept = (
+        1e-10 if found.repeating == 1.0 else 1e-4
+    )  # a row without a period doubles a difference in each cycle
     np.testing.assert_allclose(found.work, work, atol=kept * inertial)
-    same = layers_variant(scene, stack(scene, rig, nominal(scene, rig)), acceleration, 20.0, cycles - 64)
+    same = layers_variant(
+        scene, stack(scene, rig, nominal(scene, rig)), acceleration, 20.0, cycles - 64
+    )
     assert same.total == pytest.approx(found.W, rel=1e-12)
     assert found.repeating >= same.periodic_share - 1e-12
 
@@ -62,25 +71,33 @@ def test_resolved_rows_lie_side_by_side() -> None:
 
 @pytest.mark.parametrize(("acceleration", "rows"), [(2.0, 4), (3.0, 8), (5.0, 2), (5.0, 8)])
 def test_scatter_of_strata_is_what_pourings_show(acceleration: float, rows: int, rig: Rig) -> None:
-    """Estimate from one resolved bed against 40 pourings that differ in nothing but where their rows lie.
+    """Estimate from one resolved bed against 40 pourings that differ in nothing but where their
+    rows lie.
 
-    A standard deviation of 40 has one of 11 % itself; the estimate takes the semivariance between resolved rows to be
-    linear, and rises by a part in ten where it is not. Three of the one and the other together: 45 %.
+    A standard deviation of 40 has one of 11 % itself; the estimate takes the semivariance between
+    resolved rows to be linear, and rises by a part in ten where it is not. Three of the one and the
+    other together: 45 %.
     """
     fine = with_rows(balls(), 37)
     guess = scatter(rows_pilot(fine, rig, at(acceleration), nominal(fine, rig), 128).energy, rows)
     scene, rng = balls(rows), np.random.default_rng(1)
     poured = [replace(nominal(scene, rig), position=rng.random((85, rows))) for _ in range(40)]
-    W = [layers_variant(scene, stack(scene, rig, filling), acceleration, 20.0).total for filling in poured]
+    W = [
+        layers_variant(scene, stack(scene, rig, filling), acceleration, 20.0).total
+        for filling in poured
+    ]
     assert guess == pytest.approx(float(np.std(W, ddof=1)), rel=0.45)
 
 
 def test_scatter_of_a_straight_line() -> None:
-    """w = play: a row anywhere in a stratum of width 1/R varies by 1/(12 R^2), and R of them add up to 1/(12 R^3)."""
+    """w = clearance: a row anywhere in a stratum of width 1/R varies by 1/(12 R^2), and R of them
+    add up to 1/(12 R^3).
+    """
     resolved = 600
     energy = np.tile((np.arange(resolved) + 0.5) / resolved, (5, 1)) / resolved
     for rows in (1, 4, 12):
-        # gamma is interpolated linearly between the lags of the ladder, above the parabola that it is
+        # gamma is interpolated linearly between the lags of the ladder, above the parabola that it
+        # is
         assert scatter(energy, rows) == pytest.approx(np.sqrt(5 / (12 * rows**3)), rel=0.1)
 
 
@@ -90,10 +107,13 @@ CONDITIONS = [(4e-3, 0.85, 1.0), (4e-3, 0.85, 2.0), (4e-3, 0.3, 5.0), (4e-3, 0.9
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.01])
 @pytest.mark.parametrize(("diameter", "fill", "acceleration"), CONDITIONS)
-def test_rows_meet_their_share(diameter: float, fill: float, acceleration: float, tolerance: float, rig: Rig) -> None:
+def test_rows_meet_their_share(
+    diameter: float, fill: float, acceleration: float, tolerance: float, rig: Rig
+) -> None:
     """W_T with the rows that were found against L2/d rows, both averaged over 4096 cycles.
 
-    A tenth of the tolerance more than the share: what averaging rows without a period leaves, both times.
+    A tenth of the tolerance more than the share: what averaging rows without a period leaves, both
+    times.
     """
     scene = balls(diameter=diameter, fill=fill)
     for drawn in (0, 4):
@@ -111,9 +131,11 @@ def test_rows_meet_their_share(diameter: float, fill: float, acceleration: float
 
 
 @pytest.mark.parametrize(("diameter", "fill", "acceleration"), CONDITIONS)
-def test_no_fewer_rows_of_the_ladder_would_do(diameter: float, fill: float, acceleration: float, rig: Rig) -> None:
-    """Each shorter rung leaves more than its share: in W_T, or in the scatter of the strata, which bounds what W_T may
-    agree by chance."""
+def test_no_fewer_rows_of_the_ladder_would_do(
+    diameter: float, fill: float, acceleration: float, rig: Rig
+) -> None:
+    """Each shorter rung leaves more than its share: in W_T, or in the scatter of the strata, which
+    bounds what W_T may agree by chance."""
     scene, tolerance = balls(diameter=diameter, fill=fill), 0.02
     fine = with_rows(scene, resolved_rows(scene))
     best = rows_pilot(fine, rig, at(acceleration), nominal(fine, rig), 512)
@@ -121,15 +143,22 @@ def test_no_fewer_rows_of_the_ladder_would_do(diameter: float, fill: float, acce
         found = choose_rows(scene, rig, at(acceleration), tolerance, drawn)
         for rows in (rung for rung in LADDER if rung < found.rows):
             few = with_rows(scene, rows)
-            bias = abs(rows_pilot(few, rig, at(acceleration), nominal(few, rig), 512).W / best.W - 1.0)
+            bias = abs(
+                rows_pilot(few, rig, at(acceleration), nominal(few, rig), 512).W / best.W - 1.0
+            )
             spread = COVERAGE * scatter(best.energy, rows) / best.W / np.sqrt(max(drawn, 1))
             left = max(bias, spread if drawn else 0.5 * spread / COVERAGE) + best.averaging
-            assert left > 0.95 * SHARE * tolerance  # the choice takes the resolved rows' own scatter off, some per cent
+            assert (
+                left > 0.95 * SHARE * tolerance
+            )  # the choice takes the resolved rows' own scatter off, some per cent
 
 
 def test_a_wider_tolerance_never_takes_more_rows(rig: Rig) -> None:
     for _, fill, acceleration in CONDITIONS[:4]:
-        rows = [choose_rows(balls(fill=fill), rig, at(acceleration), t, 4).rows for t in (0.2, 0.05, 0.01, 0.001)]
+        rows = [
+            choose_rows(balls(fill=fill), rig, at(acceleration), t, 4).rows
+            for t in (0.2, 0.05, 0.01, 0.001)
+        ]
         assert rows == sorted(rows)
 
 
@@ -142,14 +171,23 @@ def test_nothing_slides_nothing_is_looked_at(rig: Rig) -> None:
 def series(seed: int, decay: float, size: float, ripple: float) -> Pilot:
     """W = 1 in the end: a transient, a ripple of period 3 and some noise."""
     rng, n = np.random.default_rng(seed), np.arange(300)
-    work = 1.0 + size * np.exp(-n / decay) + ripple * (np.cos(2 * np.pi * n / 3) + 0.1 * rng.standard_normal(300))
+    work = (
+        1.0
+        + size * np.exp(-n / decay)
+        + ripple * (np.cos(2 * np.pi * n / 3) + 0.1 * rng.standard_normal(300))
+    )
     return Pilot(np.ones((1, 1)), work, 1, 1, 1.0, 0.0, 0)
 
 
 @given(
-    st.integers(0, 1000), st.floats(0.1, 60), st.floats(-1, 1), st.floats(0, 0.2), st.floats(1e-3, 0.2),
-    st.just(0.0) | st.floats(1e-3, 1.0), st.integers(1, 5),
-)  # fmt: skip
+    st.integers(0, 1000),
+    st.floats(0.1, 60),
+    st.floats(-1, 1),
+    st.floats(0, 0.2),
+    st.floats(1e-3, 0.2),
+    st.just(0.0) | st.floats(1e-3, 1.0),
+    st.integers(1, 5),
+)
 @settings(max_examples=80)
 def test_no_window_behind_the_settling_is_off_by_more(
     seed: int, decay: float, size: float, ripple: float, allowed: float, noise: float, least: int
@@ -161,12 +199,16 @@ def test_no_window_behind_the_settling_is_off_by_more(
     assert found.noise == pytest.approx(noise / np.sqrt(found.record))
     for pilot in pilots:
         total = np.concatenate(([0.0], np.cumsum(pilot.work - 1.0)))
-        windows = np.abs(total[found.record :] - total[: -found.record])[found.settle :] / found.record
+        windows = (
+            np.abs(total[found.record :] - total[: -found.record])[found.settle :] / found.record
+        )
         assert (windows <= found.window + 1e-12).all()
 
 
 def test_the_shortest_run_is_taken() -> None:
-    """The transient e^(-k/5) puts a window of n cycles from s on off by e^(-s/5) (1 - e^(-n/5))/(n (1 - e^-0.2))."""
+    """The transient e^(-k/5) puts a window of n cycles from s on off by e^(-s/5) (1 - e^(-n/5))/(n
+    (1 - e^-0.2)).
+    """
     found = choose_lengths([series(0, 5.0, 1.0, 0.0)], 0.01, 0.0)
     records = np.array([4, 5, 6, 7, 8, 9, 10, 12, 15, 16, 18, 20, 24, 30, 36, 40])
     off = (1 - np.exp(-records / 5)) / (records * (1 - np.exp(-0.2)))
@@ -194,7 +236,9 @@ def test_what_noise_forbids_is_said_and_costs_no_more_than_as_written() -> None:
 
 @pytest.mark.slow
 def test_refills_scatter_as_with_resolved_rows(rig: Rig) -> None:
-    """What auto adds to the scatter: 60 refills with the rows found and with L2/d rows, same packing and play."""
+    """What auto adds to the scatter: 60 refills with the rows found and with L2/d rows, same
+    packing and clearance.
+    """
     scene = balls()
     rows = choose_rows(scene, rig, at(3.0), 0.01, 4).rows
     W = []
@@ -202,9 +246,15 @@ def test_refills_scatter_as_with_resolved_rows(rig: Rig) -> None:
         rng, found = np.random.default_rng(5), []
         for _ in range(60):
             poured = refill(with_rows(scene, 1), rig, rng)
-            filling = replace(poured, position=np.random.default_rng(len(found)).random((85, count)))
-            found.append(layers_variant(scene, stack(with_rows(scene, count), rig, filling), 3.0, 20.0).total)
+            filling = replace(
+                poured, position=np.random.default_rng(len(found)).random((85, count))
+            )
+            found.append(
+                layers_variant(scene, stack(with_rows(scene, count), rig, filling), 3.0, 20.0).total
+            )
         W.append(np.array(found))
     difference = W[0] / W[1] - 1.0
-    assert np.std(difference) < 0.01  # 2 s/sqrt(4) is within half a per cent, hence s within 0.5 %, twice that here
+    assert (
+        np.std(difference) < 0.01
+    )  # 2 s/sqrt(4) is within half a per cent, hence s within 0.5 %, twice that here
     assert abs(np.mean(difference)) < 3 * 0.01 / np.sqrt(60)

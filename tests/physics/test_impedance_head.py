@@ -14,11 +14,14 @@ from rig.stand.shaker import CoupledStand
 
 
 def test_a_head_at_the_exciter_reads_the_stinger_too(rig: Rig, steel: Scene) -> None:
-    """On the stand: work read at the exciter's end is the ledger's at the gauge plus its loss in the stinger, once all
-    cycles are alike; the apparent mass of a locked bed is M/(1 - w^2 M/k) there."""
+    """On the stand: work read at the exciter's end is the ledger's at the gauge plus its loss in
+    the stinger, once all cycles are alike; the apparent mass of a locked bed is M/(1 - w^2 M/k)
+    there."""
     scene = replace(steel, bed="locked", losses=("noise",))
     lossy = replace(rig, exciter=replace(rig.exciter, stinger_damping=2000.0))
-    drive = Drive(mode="coupled", frequency=50.0, amplifier="current", gauge="exciter", accelerometer="exciter")
+    drive = Drive(
+        mode="shaker", frequency=50.0, amplifier="current", gauge="exciter", accelerometer="exciter"
+    )
     stand = CoupledStand(scene, lossy, drive, nominal(scene, rig), 50.0 * 4096)
     command = Command((15.0 + 0j,), 50.0, 2)
     stand.begin(command)

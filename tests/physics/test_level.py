@@ -12,7 +12,9 @@ Plant = Callable[[complex], complex]
 
 
 class Lag:
-    """A linear plant whose phasor follows the command with a first-order lag: `keep` of a difference stays a cycle."""
+    """A linear plant whose phasor follows the command with a first-order lag: `keep` of a
+    difference stays a cycle.
+    """
 
     def __init__(self, gain: complex, keep: float) -> None:
         self.gain, self.keep, self.now = gain, keep, 0j
@@ -23,7 +25,9 @@ class Lag:
 
 
 class Softening:
-    """Amplitude times an apparent mass that falls from 50 to 12 kg about 2 m/s^2 over `width`, per unit of force."""
+    """Amplitude times an apparent mass that falls from 50 to 12 kg about 2 m/s^2 over `width`, per
+    unit of force.
+    """
 
     def __init__(self, width: float) -> None:
         self.width, self.now = width, 0.1
@@ -42,7 +46,9 @@ def controlled(plant: Plant, target: Target, guess: complex, most: float = math.
     """The loop until it has ended; the command's share of `most` is the voltage limit."""
     loop = started(guess)
     while loop.status == "seeking":
-        loop = stepped(loop, target, (plant(loop.command[0]),), {"voltage": abs(loop.command[0]) / most})
+        loop = stepped(
+            loop, target, (plant(loop.command[0]),), {"voltage": abs(loop.command[0]) / most}
+        )
     return loop
 
 
@@ -57,13 +63,17 @@ def test_a_linear_plant_is_brought_within_one_per_cent_in_thirty_cycles(
     loop = controlled(plant, target, guess * target.level / abs(gain))
     assert loop.status == "reached"
     assert loop.cycles <= 30
-    assert abs(gain * loop.command[0]) == pytest.approx(3.0, rel=0.011)  # a last bit of the lag may be left
+    assert abs(gain * loop.command[0]) == pytest.approx(
+        3.0, rel=0.011
+    )  # a last bit of the lag may be left
     assert loop.limit == ""
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_scatter_from_cycle_to_cycle_is_averaged(seed: int) -> None:
-    """5 % scatter: a mean of 8 cycles is within 0.7 % of the target, the true level within 4 x 5 %/sqrt(8) more."""
+    """5 % scatter: a mean of 8 cycles is within 0.7 % of the target, the true level within 4 x 5
+    %/sqrt(8) more.
+    """
     rng = np.random.default_rng(seed)
     plant = Lag(0.5, 0.3)
     loop = controlled(lambda u: plant(u) * (1 + 0.05 * rng.standard_normal()), Target(5.0), 5.0)
@@ -74,7 +84,9 @@ def test_scatter_from_cycle_to_cycle_is_averaged(seed: int) -> None:
 
 @pytest.mark.parametrize("level", [1.0, 1.9, 2.3, 5.0])
 def test_a_softening_plant_is_followed_where_one_command_gives_one_level(level: float) -> None:
-    """Width 3 m/s^2: the force needed still rises with the level, by d(force)/d(level) > 0 everywhere."""
+    """Width 3 m/s^2: the force needed still rises with the level, by d(force)/d(level) > 0
+    everywhere.
+    """
     plant = Softening(3.0)
     force = [plant.force(x) for x in np.linspace(0.1, 8.0, 200)]
     assert np.all(np.diff(force) > 0)
@@ -84,7 +96,9 @@ def test_a_softening_plant_is_followed_where_one_command_gives_one_level(level: 
 
 
 def test_a_jump_is_seen_and_a_level_inside_it_is_not_called_reached() -> None:
-    """Width 0.3: between about 1.9 and 2.4 m/s^2 no command keeps the level; the loop says so, and does not hang."""
+    """Width 0.3: between about 1.9 and 2.4 m/s^2 no command keeps the level; the loop says so, and
+    does not hang.
+    """
     plant = Softening(0.3)
     assert np.any(np.diff([plant.force(x) for x in np.linspace(1.9, 2.4, 50)]) < 0)
     loop = controlled(plant, Target(2.1, timeout=80), 50.0)

@@ -17,11 +17,17 @@ def gain(ratio: float, friction: float) -> tuple[float, float, float]:
     m1, m2, e, mu, v = random_hits(np.random.default_rng(5), 100_000, ratio, friction)
     after = literal.collide(m1, m2, e, mu, v)
     before, left = literal.kinetic_energy(m1, m2, v), literal.kinetic_energy(m1, m2, after)
-    return float(np.mean(left > before)), float((left / before).max()), float(np.mean(after[:, 0] > after[:, 3]))
+    return (
+        float(np.mean(left > before)),
+        float((left / before).max()),
+        float(np.mean(after[:, 0] > after[:, 3])),
+    )
 
 
 def test_the_printed_system_gains_energy_in_about_half_of_the_hits() -> None:
-    """53 % in the notes, 55 % for mass ratios to 1e3 and mu to 0.5; from 37 to 81 % over other samples."""
+    """53 % in the notes, 55 % for mass ratios to 1e3 and mu to 0.5; from 37 to 81 % over other
+    samples.
+    """
     share, worst, approaching = gain(1e3, 0.5)
     assert share == pytest.approx(0.55, abs=0.01)
     assert worst > 100.0
@@ -33,8 +39,11 @@ def test_it_conserves_momentum_which_is_therefore_no_test_of_it() -> None:
     m1, m2, e, mu, v = random_hits(np.random.default_rng(6), 10_000, 10.0, 0.5)
     after = literal.collide(m1, m2, e, mu, v)
     before = m1[:, None] * v[:, :3] + m2[:, None] * v[:, 3:]
-    # the solve mixes rows of kilograms and ones: condition 10 to 100, times the largest velocity of a few m/s
-    np.testing.assert_allclose(m1[:, None] * after[:, :3] + m2[:, None] * after[:, 3:], before, atol=1e-11)
+    # the solve mixes rows of kilograms and ones: condition 10 to 100, times the largest velocity of
+    # a few m/s
+    np.testing.assert_allclose(
+        m1[:, None] * after[:, :3] + m2[:, None] * after[:, 3:], before, atol=1e-11
+    )
 
 
 def test_determinant_is_the_one_of_the_notes() -> None:
@@ -52,7 +61,9 @@ def test_printed_basis() -> None:
 
 
 def test_printed_wall_law() -> None:
-    """mu = 0.2, e0 = 0.7, v_n = v_t = 1: 1.2 (right 0.8), 0.762 and 0.562 (right 0.66), e0 = -1, 0.2 m of drift."""
+    """mu = 0.2, e0 = 0.7, v_n = v_t = 1: 1.2 (right 0.8), 0.762 and 0.562 (right 0.66), e0 = -1,
+    0.2 m of drift.
+    """
     assert literal.compression_slip(1.0, -1.0, 0.2) == pytest.approx(1.2)
     assert literal.slip_after(1.0, 0.7, 0.2, 0.7) == pytest.approx(0.762)
     assert literal.slip_after(0.8, 0.7, 0.2, 0.7) == pytest.approx(0.562)

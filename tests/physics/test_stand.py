@@ -21,23 +21,31 @@ LOSS = [COLUMNS.index(name) for name in ("W_f", "W_c", "W_viscous", "W_noise", "
 
 
 def work(signal: np.ndarray, cycles: int, motion: Waveform) -> float:
-    """Closed-loop integral of F v dt per cycle from interval means, by the harmonics that the velocity has.
+    """Closed-loop integral of F v dt per cycle from interval means, by the harmonics that the
+    velocity has.
 
-    The mean over an interval multiplies a harmonic by sinc, in F and a alike: (pi h/4096)^2/3 = 2e-7 for h = 1.
+    The mean over an interval multiplies a harmonic by sinc, in F and a alike: (pi h/4096)^2/3 =
+    2e-7 for h = 1.
     """
-    force, acceleration = (np.fft.rfft(row[-cycles * CYCLE :])[cycles::cycles] * 2 / (cycles * CYCLE) for row in signal)
+    force, acceleration = (
+        np.fft.rfft(row[-cycles * CYCLE :])[cycles::cycles] * 2 / (cycles * CYCLE) for row in signal
+    )
     h = np.arange(1, force.size + 1)
     return float(-np.pi / motion.omega**2 * np.sum((force * acceleration.conj()).imag / h))
 
 
-def run(scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int) -> tuple[np.ndarray, np.ndarray]:
+def run(
+    scene: Scene, rig: Rig, motion: Waveform, filling: Filling, cycles: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Interval means and ledger rows over whole cycles."""
     stand = Stand(scene, rig, motion, filling, RATE)
     return stand.read(cycles * CYCLE), stand.drain_ledger()[:cycles]
 
 
 def test_box_mass_is_that_of_its_walls() -> None:
-    """Six plates: outer volume less cavity, 7850 kg/m3: (.16^2 x .41 - .15^2 x .4) m3 = 1.496e-3 m3."""
+    """Six plates: outer volume less cavity, 7850 kg/m3: (.16^2 x .41 - .15^2 x .4) m3 = 1.496e-3
+    m3.
+    """
     assert box_mass(Cavity(), 7850.0) == pytest.approx(7850.0 * 1.496e-3, rel=1e-12)
 
 
@@ -59,7 +67,12 @@ def test_the_gauge_mass_changes_the_apparent_mass_and_not_the_work(rig: Rig, ste
         heavy = replace(rig, gauge_mass=mass)
         signal, _ = run(steel, heavy, motion, nominal(steel, rig), 12)
         force, acceleration = (np.fft.rfft(row[-CYCLE:])[1] for row in signal)
-        found.append((work(signal, 4, motion), (force * acceleration.conjugate()).real / abs(acceleration) ** 2))
+        found.append(
+            (
+                work(signal, 4, motion),
+                (force * acceleration.conjugate()).real / abs(acceleration) ** 2,
+            )
+        )
     (w0, m0), (w1, m1) = found
     assert m1 - m0 == pytest.approx(1.98, rel=1e-9)
     # m a is orthogonal to v; what is left is round-off of N M V^2 ~ 0.3 J over W ~ 0.09 J
@@ -70,17 +83,23 @@ def test_a_locked_bed_takes_nothing_and_weighs_what_it_weighs(rig: Rig, steel: S
     scene = replace(steel, bed="locked", losses=())
     motion = Waveform(20.0, 5.0)
     signal, ledger = run(scene, rig, motion, nominal(scene, rig), 4)
-    total = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + stack(scene, rig, nominal(scene, rig)).mass
+    total = (
+        box_mass(scene.cavity, rig.wall_density)
+        + rig.gauge_mass
+        + stack(scene, rig, nominal(scene, rig)).mass
+    )
     np.testing.assert_allclose(signal[0], total * signal[1], rtol=1e-9, atol=1e-9 * total * 5.0)
     assert np.abs(ledger).max() == 0.0
 
 
 @pytest.mark.parametrize("acceleration", [1.0, 2.0, 3.0, 5.0])
 def test_the_records_hold_the_ledgers_work(rig: Rig, steel: Scene, acceleration: float) -> None:
-    """Force and acceleration as interval means give the ledger's losses + dKE_bed over the same cycles.
+    """Force and acceleration as interval means give the ledger's losses + dKE_bed over the same
+    cycles.
 
-    An impact counts whole in its interval of 1/4096 cycle, its phase inside is lost: of each of the >1000 impacts per
-    cycle a share of at most w dt = 1.5e-3, at random: below 1.5e-3/sqrt(12 x 1000) = 1.4e-5 of W; 4 sigma.
+    An impact counts whole in its interval of 1/4096 cycle, its phase inside is lost: of each of the
+    >1000 impacts per cycle a share of at most w dt = 1.5e-3, at random: below 1.5e-3/sqrt(12 x
+    1000) = 1.4e-5 of W; 4 sigma.
     """
     motion = waveform(Drive(acceleration=acceleration), 0.003, 0.003, np.random.default_rng(5))
     filling = refill(steel, rig, np.random.default_rng(6))
@@ -93,21 +112,31 @@ def test_the_records_hold_the_ledgers_work(rig: Rig, steel: Scene, acceleration:
     fill=st.floats(0.02, 1.0),
     diameter=st.floats(2e-3, 2e-2),
     acceleration=st.floats(0.2, 12.0),
-    play=st.floats(0.05, 3.0),
+    clearance=st.floats(0.05, 3.0),
     side_walls=st.booleans(),
     seed=st.integers(0, 2**32),
 )
 @settings(max_examples=40, deadline=None)
 def test_the_ledger_closes(
-    rig: Rig, fill: float, diameter: float, acceleration: float, play: float, side_walls: bool, seed: int
+    rig: Rig,
+    fill: float,
+    diameter: float,
+    acceleration: float,
+    clearance: float,
+    side_walls: bool,
+    seed: int,
 ) -> None:
     scene = Scene(
         grains=Grains(density=7900.0, diameter=diameter, fill=fill),
-        layers=Layers(play=play, rows=3, side_walls=side_walls),
+        layers=Layers(clearance=clearance, rows=3, side_walls=side_walls),
     )
     rng = np.random.default_rng(seed)
     stand = Stand(
-        scene, rig, waveform(Drive(acceleration=acceleration), 0.003, 0.01, rng), refill(scene, rig, rng), RATE
+        scene,
+        rig,
+        waveform(Drive(acceleration=acceleration), 0.003, 0.01, rng),
+        refill(scene, rig, rng),
+        RATE,
     )
     signal = stand.read(12 * CYCLE)
     ledger = stand.drain_ledger()
@@ -118,7 +147,9 @@ def test_the_ledger_closes(
 
 
 def test_momentum_goes_nowhere_else(rig: Rig, steel: Scene) -> None:
-    """What the bed takes is momentum that its grains have: never more than M V, however long it runs."""
+    """What the bed takes is momentum that its grains have: never more than M V, however long it
+    runs.
+    """
     bare = replace(steel, losses=())
     motion = Waveform(20.0, 5.0)
     with_bed, _ = run(bare, rig, motion, nominal(bare, rig), 40)
@@ -133,24 +164,35 @@ def test_the_force_is_proportional_to_density(rig: Rig, steel: Scene) -> None:
     light = replace(steel, losses=(), grains=replace(steel.grains, density=3400.0))
     heavy = replace(steel, losses=(), grains=replace(steel.grains, density=6800.0))
     empty = replace(steel, losses=(), bed="empty")
-    force = [run(scene, rig, motion, nominal(scene, rig), 4)[0][0] for scene in (empty, light, heavy)]
-    np.testing.assert_allclose(force[2] - force[0], 2.0 * (force[1] - force[0]), rtol=1e-9, atol=1e-9)
+    force = [
+        run(scene, rig, motion, nominal(scene, rig), 4)[0][0] for scene in (empty, light, heavy)
+    ]
+    np.testing.assert_allclose(
+        force[2] - force[0], 2.0 * (force[1] - force[0]), rtol=1e-9, atol=1e-9
+    )
 
 
 @given(st.floats(0.25, 4.0), st.floats(0.25, 4.0))
 @settings(max_examples=15, deadline=None)
 def test_dimensionless_groups_decide(rig: Rig, scale: float, time: float) -> None:
-    """Length x s, time x t, acceleration (with gravity) x s/t^2: energies go as m L^2/T^2 = s^5/t^2, density alike."""
-    base = Scene(grains=Grains(density=7900.0, diameter=0.008, fill=0.8), losses=(), layers=Layers(rows=4))
+    """Length x s, time x t, acceleration (with gravity) x s/t^2: energies go as m L^2/T^2 =
+    s^5/t^2, density alike.
+    """
+    base = Scene(
+        grains=Grains(density=7900.0, diameter=0.008, fill=0.8), losses=(), layers=Layers(rows=4)
+    )
     cavity = replace(base.cavity, length=0.15 * scale, width=0.15 * scale, height=0.4 * scale)
     big = replace(base, cavity=cavity, grains=replace(base.grains, diameter=0.008 * scale))
     gravity = replace(rig, gravity=rig.gravity * scale / time**2)
     _, one = run(base, rig, Waveform(20.0, 5.0), nominal(base, rig), 16)
-    stand = Stand(big, gravity, Waveform(20.0 / time, 5.0 * scale / time**2), nominal(big, rig), RATE / time)
+    stand = Stand(
+        big, gravity, Waveform(20.0 / time, 5.0 * scale / time**2), nominal(big, rig), RATE / time
+    )
     stand.read(16 * CYCLE)
     other = stand.drain_ledger()[:16]
     factor = scale**5 / time**2
-    # rows far from a period amplify round-off by about e per cycle: the first cycles agree to the last bits
+    # rows far from a period amplify round-off by about e per cycle: the first cycles agree to the
+    # last bits
     np.testing.assert_allclose(other[:3, :2], factor * one[:3, :2], rtol=1e-8, atol=1e-10 * factor)
 
 
@@ -163,19 +205,29 @@ def test_reads_of_any_size_give_the_same_stream(rig: Rig, steel: Scene) -> None:
 
 
 def test_a_cycle_need_not_hold_a_whole_number_of_samples(rig: Rig, steel: Scene) -> None:
-    """At 4096.7 intervals a cycle the ledger is the same motion's, and the force integrates to the same momentum."""
+    """At 4096.7 intervals a cycle the ledger is the same motion's, and the force integrates to the
+    same momentum.
+    """
     motion = Waveform(20.0, 5.0)
     exact = Stand(steel, rig, motion, nominal(steel, rig), RATE)
     odd = Stand(steel, rig, motion, nominal(steel, rig), 4096.7 * 20.0)
     exact.read(8 * CYCLE)
     signal = odd.read(int(8 * 4096.7))
-    np.testing.assert_allclose(odd.drain_ledger()[:8], exact.drain_ledger()[:8], rtol=1e-12, atol=1e-18)
+    np.testing.assert_allclose(
+        odd.drain_ledger()[:8], exact.drain_ledger()[:8], rtol=1e-12, atol=1e-18
+    )
     assert np.isfinite(signal).all()
 
 
 def test_a_steady_row_is_replayed_and_not_simulated_again(rig: Rig, steel: Scene) -> None:
-    """Rows of one small play settle to period 1; from then on every cycle is the stored one, to the last bit."""
-    scene = replace(steel, grains=replace(steel.grains, fill=0.05), layers=Layers(rows=1, spread=0.0, play=0.3))
+    """Rows of one small clearance settle to period 1; from then on every cycle is the stored one,
+    to the last bit.
+    """
+    scene = replace(
+        steel,
+        grains=replace(steel.grains, fill=0.05),
+        layers=Layers(rows=1, spread=0.0, clearance=0.3),
+    )
     stand = Stand(scene, rig, Waveform(20.0, 6.0), nominal(scene, rig), RATE)
     stand.read(121 * CYCLE)
     rows = stand.drain_ledger()[:, :2]

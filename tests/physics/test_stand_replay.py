@@ -24,12 +24,17 @@ SCENES = {
     "locked on cords": (replace(EMPTY, bed="locked", losses=("mount",), support="cords"), 5.0),
     "dashpot": (replace(EMPTY, bed="dashpot"), 5.0),
     "rows of period 1": (FINE, 5.0),
-    "rows of periods 1 and 3": (Scene(grains=Grains(density=7900.0, fill=0.2), layers=Layers(rows=4)), 4.0),
+    "rows of periods 1 and 3": (
+        Scene(grains=Grains(density=7900.0, fill=0.2), layers=Layers(rows=4)),
+        4.0,
+    ),
     "rows without a common period": (Scene(grains=Grains(density=7900.0)), 2.0),
 }
 
 
-def record(scene: Scene, rig: Rig, acceleration: float, per_cycle: float) -> tuple[Array, Array, int]:
+def record(
+    scene: Scene, rig: Rig, acceleration: float, per_cycle: float
+) -> tuple[Array, Array, int]:
     """Means and ledger of a run, and how many chunks were replayed."""
     stand = Stand(scene, rig, Waveform(20.0, acceleration), nominal(scene, rig), 20.0 * per_cycle)
     means = stand.read(int(CYCLES * per_cycle) - 1)
@@ -37,7 +42,9 @@ def record(scene: Scene, rig: Rig, acceleration: float, per_cycle: float) -> tup
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_replayed_chunks_are_what_a_simulation_gives(name: str, rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replayed_chunks_are_what_a_simulation_gives(
+    name: str, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene, acceleration = SCENES[name]
     means, ledger, replayed = record(scene, rig, acceleration, PER_CYCLE)
     monkeypatch.setattr(Replay, "note", lambda *_: None)

@@ -39,8 +39,13 @@ def test_they_are_plain_numbers(studies: dict[str, dict[str, Any]]) -> None:
 
 
 def test_stress_over_depth_and_aspect_ratio(studies: dict[str, dict[str, Any]]) -> None:
-    """Fig. 5: rises with L1/L2 at kept width, falls at kept base area; 4752 Pa is 99 % reached in no tested box."""
-    width, area = curves(panel(studies, "fig5_fixed_width"))[:-1], curves(panel(studies, "fig5_fixed_area"))
+    """Fig. 5: rises with L1/L2 at kept width, falls at kept base area; 4752 Pa is 99 % reached in
+    no tested box.
+    """
+    width, area = (
+        curves(panel(studies, "fig5_fixed_width"))[:-1],
+        curves(panel(studies, "fig5_fixed_area")),
+    )
     assert (np.diff(width[:, 1:], axis=0) > 0).all()
     assert (np.diff(area[:, 1:], axis=0) < 0).all()
     assert verdicts(studies, "friction", "stress rises with L1/L2") == [True, False]
@@ -63,7 +68,9 @@ def test_velocity_along_the_chain(studies: dict[str, dict[str, Any]]) -> None:
 
 
 def test_collision_energy_over_restitution(studies: dict[str, dict[str, Any]]) -> None:
-    """Fig. 8: falls with e for two grains only; for seven it peaks near 0.55; struck by a wall it rises."""
+    """Fig. 8: falls with e for two grains only; for seven it peaks near 0.55; struck by a wall it
+    rises.
+    """
     given = panel(studies, "fig8_given_speed")
     e = np.array(given["x"]["values"])
     two, seven, *_ = curves(given)
@@ -72,7 +79,9 @@ def test_collision_energy_over_restitution(studies: dict[str, dict[str, Any]]) -
     # notes 1.5: .383 .411 .407 .292 m v1^2 for 7 grains, .60 .88 1.23 1.64 m V^2 for 85
     at = [25, 45, 65, 85]
     np.testing.assert_allclose(seven[at], [0.383, 0.411, 0.407, 0.292], atol=6e-4)
-    np.testing.assert_allclose(curves(panel(studies, "fig8_driven"))[3][at], [0.60, 0.88, 1.23, 1.64], atol=6e-3)
+    np.testing.assert_allclose(
+        curves(panel(studies, "fig8_driven"))[3][at], [0.60, 0.88, 1.23, 1.64], atol=6e-3
+    )
     assert verdicts(studies, "collision", "falls as e rises") == [True, False, False]
 
 
@@ -83,7 +92,9 @@ def test_collision_energy_is_quadratic_in_velocity(studies: dict[str, dict[str, 
         np.testing.assert_allclose(curve, curve[-1] * (V / V[-1]) ** 2, rtol=1e-12)
 
 
-def test_all_hits_lose_everything_where_the_row_collapses(studies: dict[str, dict[str, Any]]) -> None:
+def test_all_hits_lose_everything_where_the_row_collapses(
+    studies: dict[str, dict[str, Any]],
+) -> None:
     """n (1 - e) > pi: all but a few per cent whatever e; at e = 1 the wall's 1 - e0^2 alone."""
     shown = panel(studies, "fig8_all_hits")
     e, (two, seven, long) = np.array(shown["x"]["values"]), curves(shown)
@@ -94,14 +105,22 @@ def test_all_hits_lose_everything_where_the_row_collapses(studies: dict[str, dic
 
 
 def test_files_of_a_study(studies: dict[str, dict[str, Any]], tmp_path: Path) -> None:
-    """SVG, PNG and CSV of each panel; two calls, equal bytes; the CSV gives the numbers back exactly."""
+    """SVG, PNG and CSV of each panel; two calls, equal bytes; the CSV gives the numbers back
+    exactly.
+    """
     first, second = (write_study(studies["collision"], tmp_path / name) for name in ("a", "b"))
     assert len(first) == 1 + 3 * len(studies["collision"]["panels"])
     assert [p.read_bytes() for p in first] == [p.read_bytes() for p in second]
     with (tmp_path / "a" / "fig7_velocity.csv").open(encoding="utf-8", newline="") as text:
         head, *lines = csv.reader(text)
     shown = panel(studies, "fig7_velocity")
-    assert head == ["grain", "v_n/v_1; e 0.25", "v_n/v_1; e 0.45", "v_n/v_1; e 0.65", "v_n/v_1; e 0.85"]
+    assert head == [
+        "grain",
+        "v_n/v_1; e 0.25",
+        "v_n/v_1; e 0.45",
+        "v_n/v_1; e 0.65",
+        "v_n/v_1; e 0.85",
+    ]
     assert (curves(shown) == np.array(lines, dtype=float)[:, 1:].T).all()
     with (tmp_path / "a" / "collision.csv").open(encoding="utf-8", newline="") as text:
         assert {line["holds"] for line in csv.DictReader(text)} == {"yes", "no"}

@@ -1,4 +1,6 @@
-"""Rows and a box that move each other, against closed forms and against an integrator that knows none of this."""
+"""Rows and a box that move each other, against closed forms and against an integrator that knows
+none of this.
+"""
 
 from dataclasses import replace
 
@@ -16,7 +18,7 @@ from rig.drive.electrodynamic import response
 from rig.drive.waveform import Waveform
 from rig.kernels.rows.coupled_step import LEANING, Pull, collide
 from rig.kernels.rows.tiles import from_tiles, to_tiles
-from rig.protocol.spec import Axis, Drive, Scene, Slug
+from rig.protocol.spec import Axis, Drive, Scene, SingleMass
 from rig.stand.box import box_mass
 from rig.stand.ledger import COUPLED_COLUMNS
 from rig.stand.prescribed import Stand
@@ -26,13 +28,20 @@ masses = st.floats(1e-3, 1e3)
 
 
 @given(
-    m=masses, box=masses, e=st.floats(0.0, 1.0), closing=st.floats(0.01, 1.0), v=st.floats(-1.0, 1.0), low=st.booleans()
+    m=masses,
+    box=masses,
+    e=st.floats(0.0, 1.0),
+    closing=st.floats(0.01, 1.0),
+    v=st.floats(-1.0, 1.0),
+    low=st.booleans(),
 )
 @settings(max_examples=100, deadline=None)
 def test_a_row_and_a_free_box_collide_by_the_book(
     m: float, box: float, e: float, closing: float, v: float, low: bool
 ) -> None:
-    """Momentum stays, the relative velocity turns by -e, and what is lost is m_r (1 - e^2) w^2/2: round-off."""
+    """Momentum stays, the relative velocity turns by -e, and what is lost is m_r (1 - e^2) w^2/2:
+    round-off.
+    """
     s = 1.0 if low else -1.0
     w, u = np.array([v - s * closing]), np.array([0.0 if low else 1e-3])
     lo, hi = np.array([-1.0]), np.array([1.0])
@@ -56,10 +65,12 @@ def test_a_row_and_a_free_box_collide_by_the_book(
 def reference(
     stand: CoupledStand, mass: float, band: float, amplitude: float, end: float
 ) -> tuple[float, float, float]:
-    """Velocities of box and row at the end and the heat till then, by an integrator with events: ride, slip, ride.
+    """Velocities of box and row at the end and the heat till then, by an integrator with events:
+    ride, slip, ride.
 
-    The row stands in the middle of endless room, the amplifier gives a current A sin(wt). Riding, its mass is the
-    box's; slipping, friction is constant; it begins to slip where the box would pull it by more than `band`.
+    The row stands in the middle of endless room, the amplifier gives a current A sin(wt). Riding,
+    its mass is the box's; slipping, friction is constant; it begins to slip where the box would
+    pull it by more than `band`.
     """
     p, omega = stand.plant, 2.0 * np.pi * 20.0
 
@@ -85,7 +96,15 @@ def reference(
         leaves.terminal = True  # type: ignore[attr-defined]
         leaves.direction = 1.0 if mode == 0 else -1.0  # type: ignore[attr-defined]
         leg = solve_ivp(
-            rates, (t, end), y, "DOP853", args=(mode,), events=leaves, rtol=1e-10, atol=1e-13, max_step=1e-3
+            rates,
+            (t, end),
+            y,
+            "DOP853",
+            args=(mode,),
+            events=leaves,
+            rtol=1e-10,
+            atol=1e-13,
+            max_step=1e-3,
         )
         t, y = float(leg.t[-1]), leg.y[:, -1]
         if t < end:
@@ -98,16 +117,19 @@ def reference(
 def test_one_row_slides_as_an_integrator_with_events_has_it(
     rig: Rig, steel: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A row of 8 kg that rides, slips and turns for three cycles. When slip begins is known to a step: velocities agree
-    to what friction changes in one, heat to 1e-3 at the default step and less in proportion to it."""
+    """A row of 8 kg that rides, slips and turns for three cycles. When slip begins is known to a
+    step: velocities agree to what friction changes in one, heat to 1e-3 at the default step and
+    less in proportion to it."""
     mass, band, amplitude = 8.0, 0.6, 4.0
-    monkeypatch.setitem(TWO_WAY, "layers", lambda *_: TwoWay(0.0, 0.0, mass, 0.0, np.array([band]), np.array([1e3])))
+    monkeypatch.setitem(
+        TWO_WAY, "layers", lambda *_: TwoWay(0.0, 0.0, mass, 0.0, np.array([band]), np.array([1e3]))
+    )
     scene = replace(steel, losses=())
     damped = replace(rig, exciter=replace(rig.exciter, stinger_damping=400.0))
     errors: list[float] = []
     expected: tuple[float, float, float] | None = None
     for refine in (1, 4, 16):
-        drive = Drive(mode="coupled", amplifier="current")
+        drive = Drive(mode="shaker", amplifier="current")
         tested = CoupledStand(scene, damped, drive, nominal(scene, rig), 4096 * 20.0, refine=refine)
         tested._u[:] = 500.0  # in the middle, away from the walls
         tested._lo[:], tested._hi[:] = -band, band
@@ -125,24 +147,40 @@ def test_one_row_slides_as_an_integrator_with_events_has_it(
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 @pytest.mark.parametrize("axis", ["vertical", "zero_gravity", "horizontal"])
-def test_a_slug_in_a_heavy_box_takes_what_it_takes_in_a_programmed_one(
+def test_a_single_mass_in_a_heavy_box_takes_what_it_takes_in_a_programmed_one(
     rig: Rig, steel: Scene, axis: Axis, restitution: float
 ) -> None:
-    """Flights under gravity, a lid, a rough floor: W of each of the first cycles is the servo's to 2e-3;
-    a box of 1e5 times the slug gives way by less; both accounts close, height included."""
-    slug = Slug(restitution=restitution, gap=0.004, friction=0.1 if axis == "horizontal" else 0.0)
-    scene = replace(steel, bed="slug", axis=axis, losses=(), slug=slug)
+    """Flights under gravity, a lid, a rough floor: W of each of the first cycles is the waveform
+    controller's to 2e-3; a box of 1e5 times the single mass gives way by less; both accounts close,
+    height included."""
+    single_mass = SingleMass(
+        restitution=restitution, gap=0.004, friction=0.1 if axis == "horizontal" else 0.0
+    )
+    scene = replace(steel, bed="single_mass", axis=axis, losses=(), single_mass=single_mass)
     filling, a, cycles = nominal(scene, rig), 20.0, 4
-    servo = Stand(scene, rig, Waveform(20.0, a), filling, 4096 * 20.0)
-    servo.read(4096 * cycles)
-    exact = servo.drain_ledger()[:cycles, :2].sum(axis=1)
+    prescribed = Stand(scene, rig, Waveform(20.0, a), filling, 4096 * 20.0)
+    prescribed.read(4096 * cycles)
+    exact = prescribed.drain_ledger()[:cycles, :2].sum(axis=1)
     strong = replace(
-        rig.exciter, current_peak=1e12, voltage_peak=1e12, stinger_stiffness=1e9, stinger_damping=1e3,
-        body_mass=1e8, isolation_stiffness=1e11,
-    )  # fmt: skip
-    heavy = replace(rig, exciter=strong, wall_density=rig.wall_density * 4e6 / box_mass(scene.cavity, rig.wall_density))
-    tested = CoupledStand(scene, heavy, Drive(mode="coupled", amplifier="current"), filling, 4096 * 20.0, refine=2)
-    command = Command((complex(1j * a / response(tested.plant, "current", 20.0).acceleration[0]),), 20.0, cycles)
+        rig.exciter,
+        current_peak=1e12,
+        voltage_peak=1e12,
+        stinger_stiffness=1e9,
+        stinger_damping=1e3,
+        body_mass=1e8,
+        isolation_stiffness=1e11,
+    )
+    heavy = replace(
+        rig,
+        exciter=strong,
+        wall_density=rig.wall_density * 4e6 / box_mass(scene.cavity, rig.wall_density),
+    )
+    tested = CoupledStand(
+        scene, heavy, Drive(mode="shaker", amplifier="current"), filling, 4096 * 20.0, refine=2
+    )
+    command = Command(
+        (complex(1j * a / response(tested.plant, "current", 20.0).acceleration[0]),), 20.0, cycles
+    )
     tested.begin(command)
     tested.advance(command)
     ledger = tested.drain_ledger()

@@ -1,4 +1,6 @@
-"""Wall law, eqs 13 to 19: the numbers of the errata, and the binary law with an infinite mass as the check."""
+"""Wall law, eqs 13 to 19: the numbers of the errata, and the binary law with an infinite mass as
+the check.
+"""
 
 import numpy as np
 import pytest
@@ -24,11 +26,15 @@ def test_numbers_of_the_errata() -> None:
     """mu = 0.2, v_n = v_t = 1: 0.8 after compression; 0.66 after the hit at e0 = 0.7."""
     assert compression_slip(1.0, 1.0, 0.2) == pytest.approx(0.8)
     assert slip_after(1.0, 1.0, 0.2, 0.7) == pytest.approx(0.66)
-    assert slip_after(1.0, 1.0, 0.2, 0.0) == compression_slip(1.0, 1.0, 0.2)  # no recovery, friction stays
+    assert slip_after(1.0, 1.0, 0.2, 0.0) == compression_slip(
+        1.0, 1.0, 0.2
+    )  # no recovery, friction stays
 
 
 @given(speed, speed, speed, st.floats(0, 2), st.floats(0, 1))
-def test_it_is_the_binary_law_with_an_infinite_mass(x: float, y: float, z: float, mu: float, e0: float) -> None:
+def test_it_is_the_binary_law_with_an_infinite_mass(
+    x: float, y: float, z: float, mu: float, e0: float
+) -> None:
     found = bounce([[x, y, z]], mu, e0)
     wall = Bodies([np.inf], [[0.0, 0.0, 0.0]])
     law = collide(Bodies([1.0], [[x, y, z]]), wall, [[0.0, 0.0, -1.0]], Contact(e0, mu))
@@ -38,13 +44,19 @@ def test_it_is_the_binary_law_with_an_infinite_mass(x: float, y: float, z: float
 
 @given(speed, speed, st.floats(-10.0, -1e-3), st.floats(0, 2), st.floats(0, 1))
 def test_both_phases_add_to_one_hit(x: float, y: float, z: float, mu: float, e0: float) -> None:
-    """Eqs 13 and 16: compression ends at rest along the normal; the rest is e0 of it; slip falls as eq 18 says."""
+    """Eqs 13 and 16: compression ends at rest along the normal; the rest is e0 of it; slip falls as
+    eq 18 says.
+    """
     v = np.array([x, y, z])
     compressed = v + compression_impulse(1.0, v, mu)
     assert compressed[2] == pytest.approx(0.0, abs=1e-14)
-    assert np.hypot(*compressed[:2]) == pytest.approx(float(compression_slip(np.hypot(x, y), z, mu)), abs=1e-13)
+    assert np.hypot(*compressed[:2]) == pytest.approx(
+        float(compression_slip(np.hypot(x, y), z, mu)), abs=1e-13
+    )
     after = compressed + recovery_impulse(1.0, v, mu, e0)
-    assert np.hypot(*after[:2]) == pytest.approx(float(slip_after(np.hypot(x, y), z, mu, e0)), abs=1e-13)
+    assert np.hypot(*after[:2]) == pytest.approx(
+        float(slip_after(np.hypot(x, y), z, mu, e0)), abs=1e-13
+    )
     assert float(wall_restitution(z, after[2], 0.0, 0.0)) == pytest.approx(e0, abs=1e-12)
 
 
@@ -65,7 +77,9 @@ def test_restitution_in_a_moving_frame() -> None:
 
 
 def test_height_does_not_drift() -> None:
-    """Eq 19: from z = 3 r down to the wall and back in equal times, a hundred times, without a radius added."""
+    """Eq 19: from z = 3 r down to the wall and back in equal times, a hundred times, without a
+    radius added.
+    """
     r, position = 0.002, np.array([[0.0, 0.0, 0.006]])
     for _ in range(100):
         down, up = np.array([[0.1, 0.0, -1.0]]), np.array([[0.1, 0.0, 1.0]])

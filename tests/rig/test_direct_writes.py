@@ -41,7 +41,10 @@ def is_for_writing(call: ast.Call) -> bool:
     modes = [word.value for word in call.keywords if word.arg in ("mode", "flags")]
     place = 0 if isinstance(call.func, ast.Attribute) and owner(call) not in MODULES else 1
     modes += call.args[place : place + 1]
-    return any(not isinstance(mode, ast.Constant) or bool(set("wax+") & set(str(mode.value))) for mode in modes)
+    return any(
+        not isinstance(mode, ast.Constant) or bool(set("wax+") & set(str(mode.value)))
+        for mode in modes
+    )
 
 
 def opened(tree: ast.AST) -> set[str]:
@@ -52,7 +55,9 @@ def opened(tree: ast.AST) -> set[str]:
             found.add(node.optional_vars.id)
         values = [node.value] if isinstance(node, ast.Assign) else []
         for value in values:
-            calls = [one for one in ast.walk(value) if isinstance(one, ast.Call) and owner(one) == "io"]
+            calls = [
+                one for one in ast.walk(value) if isinstance(one, ast.Call) and owner(one) == "io"
+            ]
             for target in node.targets if calls and isinstance(node, ast.Assign) else ():
                 found |= {name.id for name in ast.walk(target) if isinstance(name, ast.Name)}
     return found
@@ -67,7 +72,9 @@ def writes(call: ast.Call, files: set[str]) -> bool:
         return owner(call) == "shutil"
     if name in INTO:
         target = call.args[0] if call.args else None
-        return isinstance(call.func, ast.Attribute) and not (isinstance(target, ast.Name) and target.id in files)
+        return isinstance(call.func, ast.Attribute) and not (
+            isinstance(target, ast.Name) and target.id in files
+        )
     if name in OPENERS:
         if (owner(call), name) == ("os", "open"):
             return [ast.unparse(word) for word in call.args[:1]] != ["os.devnull"]
@@ -84,21 +91,46 @@ def direct_writes(source: str) -> Iterator[str]:
             yield f"{node.lineno}: {ast.unparse(node)[:60]}"
 
 
-@pytest.mark.parametrize("source", [
-    "path.write_text('x')", "(a / 'b').write_bytes(b'')", "open(path, 'w')", "open(path, mode='a')", "path.open('wb')",
-    "io.open(path, 'x')", "path.open('r+')", "np.savetxt(path, rows)", "figure.savefig(folder / 'a.svg')",
-    "savemat = scipy.io.savemat(path, {})", "os.open(path, os.O_WRONLY)", "h5py.File(path, 'w')",
-    "h5py.File(path, mode)", "shutil.copyfile(a, b)", "rows.tofile(path)", "gzip.open(path, 'wt')",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "source",
+    [
+        "path.write_text('x')",
+        "(a / 'b').write_bytes(b'')",
+        "open(path, 'w')",
+        "open(path, mode='a')",
+        "path.open('wb')",
+        "io.open(path, 'x')",
+        "path.open('r+')",
+        "np.savetxt(path, rows)",
+        "figure.savefig(folder / 'a.svg')",
+        "savemat = scipy.io.savemat(path, {})",
+        "os.open(path, os.O_WRONLY)",
+        "h5py.File(path, 'w')",
+        "h5py.File(path, mode)",
+        "shutil.copyfile(a, b)",
+        "rows.tofile(path)",
+        "gzip.open(path, 'wt')",
+    ],
+)
 def test_the_walk_finds_direct_writes(source: str) -> None:
     assert list(direct_writes(source))
 
 
-@pytest.mark.parametrize("source", [
-    "path.open('rb')", "open(path)", "path.read_text()", "with whole_file(path) as file:\n    np.savetxt(file, rows)",
-    "data = io.BytesIO()\nfigure.savefig(data, format='png')", "h5py.File(path, 'r')", "write_whole(path, text)",
-    "row.copy()", "zipfile.ZipFile(path)", "os.open(os.devnull, os.O_WRONLY)",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "source",
+    [
+        "path.open('rb')",
+        "open(path)",
+        "path.read_text()",
+        "with whole_file(path) as file:\n    np.savetxt(file, rows)",
+        "data = io.BytesIO()\nfigure.savefig(data, format='png')",
+        "h5py.File(path, 'r')",
+        "write_whole(path, text)",
+        "row.copy()",
+        "zipfile.ZipFile(path)",
+        "os.open(os.devnull, os.O_WRONLY)",
+    ],
+)
 def test_reading_and_writing_whole_files_are_none(source: str) -> None:
     assert list(direct_writes(source)) == []
 
@@ -109,5 +141,7 @@ def test_every_module_writes_whole_files() -> None:
         for path in sorted((ROOT / package).rglob("*.py")):
             place = path.relative_to(ROOT).as_posix()
             if place not in OWN:
-                found += [f"{place}:{one}" for one in direct_writes(path.read_text(encoding="utf-8"))]
+                found += [
+                    f"{place}:{one}" for one in direct_writes(path.read_text(encoding="utf-8"))
+                ]
     assert found == []

@@ -1,4 +1,6 @@
-"""Who may import whom, read from the source: the packages stay apart, and each library has one home."""
+"""Who may import whom, read from the source: the packages stay apart, and each library has one
+home.
+"""
 
 import ast
 import importlib
@@ -14,23 +16,48 @@ ROOT = Path(__file__).parents[2]
 ALLOWED = {
     "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
     "analysis": (
-        "analysis", "daq.caches", "daq.chain.block", "daq.chain.channel", "daq.child_processes", "daq.documents",
-        "daq.json_text", "daq.session", "daq.strange_text", "daq.whole_files", "numpy", "numba", "scipy", "matplotlib",
+        "analysis",
+        "daq.caches",
+        "daq.chain.block",
+        "daq.chain.channel",
+        "daq.child_processes",
+        "daq.documents",
+        "daq.json_text",
+        "daq.session",
+        "daq.strange_text",
+        "daq.whole_files",
+        "numpy",
+        "numba",
+        "scipy",
+        "matplotlib",
     ),
     "rig.documents": ("rig.documents", "rig.errors", "daq.documents", "daq.regular_files", "yaml"),
     "rig.kernels": ("rig.kernels", "numpy", "numba"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.beds": (
-        "rig.beds", "rig.theory", "rig.kernels", "rig.protocol.spec", "rig.catalog.entries", "rig.drive", "rig.errors",
+        "rig.beds",
+        "rig.theory",
+        "rig.kernels",
+        "rig.protocol.spec",
+        "rig.catalog.entries",
+        "rig.drive",
+        "rig.errors",
         "numpy",
     ),
-}  # fmt: skip
+}
 """All that a package imports beside the standard library."""
 
 HOMES = {
     "analysis": ("analysis", "rig.campaign", "rig.importing", "rig.cli", "rig.benchmarks"),
     "rig.benchmarks": ("rig.benchmarks", "rig.cli"),
-    "daq.session": ("daq", "analysis", "rig.campaign", "rig.importing", "rig.cli", "rig.benchmarks"),
+    "daq.session": (
+        "daq",
+        "analysis",
+        "rig.campaign",
+        "rig.importing",
+        "rig.cli",
+        "rig.benchmarks",
+    ),
     "daq.formats": ("daq.formats", "rig.importing", "rig.cli"),
     "daq.chain.frontend": ("daq", "rig.campaign", "rig.benchmarks"),
     "daq.chain.acquisition": ("daq", "rig.campaign", "rig.benchmarks"),
@@ -40,13 +67,20 @@ HOMES = {
     "yaml": ("rig.documents",),
     "typer": ("rig.cli",),
     "rich": ("rig.cli",),
-    "h5py": ("daq.session", "daq.formats", "rig.benchmarks.problems.records", "rig.benchmarks.problems.recording"),
+    "h5py": (
+        "daq.session",
+        "daq.formats",
+        "rig.benchmarks.problems.records",
+        "rig.benchmarks.problems.recording",
+    ),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
     "matplotlib": ("analysis.report.figures", "rig.benchmarks"),
     "numba": ("daq", "rig.kernels", "analysis.signals.compiled_loops", "rig.benchmarks"),
 }
-"""All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names (`rig/__init__.py`)."""
+"""All who import a module. `rig` itself is a home of `rig.campaign` by its lazy names
+(`rig/__init__.py`).
+"""
 
 HEAVY = {"numpy", "numba", "h5py", "matplotlib", "scipy", "rich", "yaml"}
 
@@ -70,7 +104,9 @@ MODULES = modules()
 
 
 def imported(name: str) -> Iterator[str]:
-    """What a module imports, anywhere in its text, without the standard library; of a package's names, the modules."""
+    """What a module imports, anywhere in its text, without the standard library; of a package's
+    names, the modules.
+    """
     for node in ast.walk(MODULES[name]):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -78,11 +114,14 @@ def imported(name: str) -> Iterator[str]:
             assert node.level == 0, f"{name}: a relative import"
             package = str(node.module)
             names = [
-                f"{package}.{alias.name}" if f"{package}.{alias.name}" in MODULES else package for alias in node.names
+                f"{package}.{alias.name}" if f"{package}.{alias.name}" in MODULES else package
+                for alias in node.names
             ]
         else:
             continue
-        yield from (other for other in names if other.partition(".")[0] not in sys.stdlib_module_names)
+        yield from (
+            other for other in names if other.partition(".")[0] not in sys.stdlib_module_names
+        )
 
 
 def test_the_walk_finds_imports() -> None:
@@ -96,15 +135,24 @@ def test_the_walk_finds_imports() -> None:
 def test_a_package_imports_what_it_may_and_no_more(package: str) -> None:
     inside = [name for name in MODULES if within(name, (package,))]
     assert inside
-    assert [(name, other) for name in inside for other in imported(name) if not within(other, ALLOWED[package])] == []
+    assert [
+        (name, other)
+        for name in inside
+        for other in imported(name)
+        if not within(other, ALLOWED[package])
+    ] == []
 
 
 @pytest.mark.parametrize("module", HOMES)
 def test_a_module_is_imported_where_it_belongs_and_nowhere_else(module: str) -> None:
-    users = [(name, other) for name in MODULES for other in imported(name) if within(other, (module,))]
+    users = [
+        (name, other) for name in MODULES for other in imported(name) if within(other, (module,))
+    ]
     assert users
     packages = tuple(home for home in HOMES[module] if home != "rig")
-    assert [use for use in users if not within(use[0], packages) and use[0] not in HOMES[module]] == []
+    assert [
+        use for use in users if not within(use[0], packages) and use[0] not in HOMES[module]
+    ] == []
 
 
 MOST_MODULES = 14
@@ -125,7 +173,10 @@ DEEPEST = 17
 
 def inside() -> dict[str, set[str]]:
     """The modules of the three packages that each of them imports."""
-    return {name: {other for other in imported(name) if other in MODULES and other != name} for name in MODULES}
+    return {
+        name: {other for other in imported(name) if other in MODULES and other != name}
+        for name in MODULES
+    }
 
 
 def test_no_chain_of_imports_is_longer_than_it_has_to_be() -> None:
@@ -139,8 +190,8 @@ def test_no_chain_of_imports_is_longer_than_it_has_to_be() -> None:
 
 
 def test_no_circle_of_modules() -> None:
-    """Imports inside functions and for the type checker count. What is left after all that imports nothing left has
-    been taken away, again and again, is in a circle or imports from one."""
+    """Imports inside functions and for the type checker count. What is left after all that imports
+    nothing left has been taken away, again and again, is in a circle or imports from one."""
     left = inside()
     while free := [name for name, others in left.items() if not others & left.keys()]:
         for name in free:
@@ -167,13 +218,18 @@ def test_public_names_are_there_and_hide_no_module(package: str) -> None:
 
 
 def in_a_fresh_process(program: str) -> str:
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
 
 def test_help_needs_no_heavy_library() -> None:
-    assert in_a_fresh_process(f"import sys, rig.cli; print(sorted({HEAVY!r} & set(sys.modules)))") == "[]"
+    assert (
+        in_a_fresh_process(f"import sys, rig.cli; print(sorted({HEAVY!r} & set(sys.modules)))")
+        == "[]"
+    )
 
 
 def test_the_model_needs_no_records_and_no_analysis() -> None:
@@ -182,7 +238,9 @@ def test_the_model_needs_no_records_and_no_analysis() -> None:
 
 
 def test_what_computes_runs_needs_no_file_no_analysis_and_no_exciter() -> None:
-    """A campaign starts its workers before it loads what only the writer needs: they begin half a second earlier."""
+    """A campaign starts its workers before it loads what only the writer needs: they begin half a
+    second earlier.
+    """
     unwanted = {
         "h5py",
         "rich",

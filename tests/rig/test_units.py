@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rig.units import UNITS, Quantity, UnitError, format_quantity, parse_quantity, suggest_unit, unit_of
+from rig.units import (
+    UNITS,
+    Quantity,
+    UnitError,
+    format_quantity,
+    parse_quantity,
+    suggest_unit,
+    unit_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +78,9 @@ def test_what_is_no_quantity_names_the_units(text: str, dimension: str) -> None:
         parse_quantity(text, dimension)
 
 
-@given(value=st.floats(allow_nan=False, allow_infinity=False), dimension=st.sampled_from(sorted(UNITS)))
+@given(
+    value=st.floats(allow_nan=False, allow_infinity=False), dimension=st.sampled_from(sorted(UNITS))
+)
 def test_format_then_parse_is_identity(value: float, dimension: str) -> None:
     assert parse_quantity(format_quantity(value, dimension), dimension) == value
 
@@ -90,12 +100,17 @@ def test_hints_name_the_unit_that_would_fit() -> None:
     assert suggest_unit(150, Quantity("length", 0, 20)) == "150 is 150 m; did you mean 150 mm?"
     assert suggest_unit(85, Quantity("number", 0, 1)) == "did you mean 85 %?"
     assert suggest_unit(-1, Quantity("number", 0, 1)) == ""
-    assert suggest_unit(1.2, Quantity("number", 0, 1)) == ""  # a restitution of 1.2 is not one of 1.2 %
+    assert (
+        suggest_unit(1.2, Quantity("number", 0, 1)) == ""
+    )  # a restitution of 1.2 is not one of 1.2 %
     assert suggest_unit(math.inf, Quantity("length", 0, 20)) == ""
 
 
 def test_ranges_in_words() -> None:
-    assert str(Quantity("length", 0, 20, above=True)) == "above 0 m, at most 20 m (units m, mm, cm, um)"
+    assert (
+        str(Quantity("length", 0, 20, above=True))
+        == "above 0 m, at most 20 m (units m, mm, cm, um)"
+    )
     assert str(Quantity()) == "a number (a plain number or %)"
     closed, opened = Quantity("number", 0, 1), Quantity("number", 0, 1, above=True)
     assert closed.holds(0)

@@ -15,7 +15,9 @@ def rig_command(tmp_path_factory: pytest.TempPathFactory) -> Rig:
 
     def call(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-c", "from rig.cli.app import main; main()", *map(str, words)]
-        return subprocess.run(command, cwd=cwd or folder, capture_output=True, text=True, timeout=300, check=False)
+        return subprocess.run(
+            command, cwd=cwd or folder, capture_output=True, text=True, timeout=300, check=False
+        )
 
     return call
 

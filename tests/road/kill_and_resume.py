@@ -1,5 +1,5 @@
-"""A program: kills recordings, or workers of theirs, at random instants, looks at what is left, resumes, and compares
-with one never stopped.
+"""A program: kills recordings, or workers of theirs, at random instants, looks at what is left,
+resumes, and compares with one never stopped.
 
 Arguments: folder, number of kills, seed. Prints one line per kill; a wrong one starts with BAD.
 """
@@ -24,7 +24,12 @@ from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig
 from rig.protocol.load import load_protocol
 
-SETS = ("vary={scene.bed: [layers, locked]}", "repeats.n=3", "acquire.settle=4", "acquire.record=150")
+SETS = (
+    "vary={scene.bed: [layers, locked]}",
+    "repeats.n=3",
+    "acquire.settle=4",
+    "acquire.record=150",
+)
 
 
 def campaign() -> Campaign:
@@ -46,7 +51,9 @@ def started(out: Path, resume: bool) -> int:
 
 
 def same_prefix(cut: Record, whole: Record) -> int:
-    """Samples that a cut record has; raises AssertionError where they are not those of the whole one."""
+    """Samples that a cut record has; raises AssertionError where they are not those of the whole
+    one.
+    """
     count = 0
     for info in cut.runs:
         rows = cut.blocks(info.name)
@@ -66,12 +73,16 @@ def same_prefix(cut: Record, whole: Record) -> int:
 def same_whole(one: Path, other: Path) -> None:
     with open_session(one / "session.h5") as a, open_session(other / "session.h5") as b:
         assert a.complete
-        assert [replace(info, t0="") for info in a.runs] == [replace(info, t0="") for info in b.runs]
+        assert [replace(info, t0="") for info in a.runs] == [
+            replace(info, t0="") for info in b.runs
+        ]
         same_prefix(a, b)
         for info in a.runs:
             assert a.truth is not None
             assert b.truth is not None
-            np.testing.assert_array_equal(a.truth.ledger(info.name)[1], b.truth.ledger(info.name)[1])
+            np.testing.assert_array_equal(
+                a.truth.ledger(info.name)[1], b.truth.ledger(info.name)[1]
+            )
     for name in ("report.json", "report.csv", "report.md", "report.html"):
         assert (one / name).read_bytes() == (other / name).read_bytes(), name
 
@@ -88,7 +99,9 @@ def _gone(group: int) -> None:
 
 
 def one_kill(folder: Path, whole: Path, delay: float, workers: int) -> str:
-    """Kill a recording, or so many of its workers. Ends at the worst by the timeout of who called this program."""
+    """Kill a recording, or so many of its workers. Ends at the worst by the timeout of who called
+    this program.
+    """
     out = folder / "cut"
     child = started(out, resume=False)
     time.sleep(delay)
@@ -102,11 +115,18 @@ def one_kill(folder: Path, whole: Path, delay: float, workers: int) -> str:
         assert ended in ((0, 1) if len(found) <= workers else (0,)), f"ended with {ended}"
     left = "no file yet"
     if (out / "session.h5").exists():
-        with open_session(out / "session.h5") as cut, open_session(whole / "session.h5") as reference:
+        with (
+            open_session(out / "session.h5") as cut,
+            open_session(whole / "session.h5") as reference,
+        ):
             samples = same_prefix(cut, reference)
             left = f"{samples} samples, {sum(info.complete for info in cut.runs)} of {len(cut.runs)} runs"
-            assert ended == 0 or not cut.complete or samples == sum(info.planned for info in cut.runs)
-    assert os.waitstatus_to_exitcode(os.waitpid(started(out, resume=True), 0)[1]) == 0, "it does not resume"
+            assert (
+                ended == 0 or not cut.complete or samples == sum(info.planned for info in cut.runs)
+            )
+    assert os.waitstatus_to_exitcode(os.waitpid(started(out, resume=True), 0)[1]) == 0, (
+        "it does not resume"
+    )
     same_whole(out, whole)
     for path in sorted(out.rglob("*"), reverse=True):
         path.rmdir() if path.is_dir() else path.unlink()

@@ -1,8 +1,10 @@
-"""A program: runs command lines of `rig`, each in a child process of its own, and says how that went.
+"""A program: runs command lines of `rig`, each in a child process of its own, and says how that
+went.
 
-Reads from standard input, a line each, JSON of {"words": [...], "stdout": path, "stderr": path}, the paths being
-where its output goes instead; answers each with a line of JSON, {"code", "out", "err"}. The libraries are loaded once.
-A command that does not end is killed: code -9; an exception that nobody caught: code 99.
+Reads from standard input, a line each, JSON of {"words": [...], "stdout": path, "stderr": path},
+the paths being where its output goes instead; answers each with a line of JSON, {"code", "out",
+"err"}. The libraries are loaded once. A command that does not end is killed: code -9; an exception
+that nobody caught: code 99.
 """
 
 import atexit
@@ -52,7 +54,10 @@ def run(words: list[str], folder: Path, stdout: str = "", stderr: str = "") -> d
         atexit._clear()  # what ends this program is not the command's to call
         for descriptor, place in enumerate((stdout or files[0], stderr or files[1]), start=1):
             os.dup2(os.open(place, os.O_WRONLY), descriptor)
-        sys.argv = ["rig", *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in words)]
+        sys.argv = [
+            "rig",
+            *(os.fsdecode(word.encode("utf-8", "surrogateescape")) for word in words),
+        ]
         end(rig.cli.app.main)
     signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
     signal.alarm(PATIENCE)

@@ -1,4 +1,6 @@
-"""Sessions in memory: stand, transducers, front end and codes as in a campaign, read by the analysis without a file."""
+"""Sessions in memory: stand, transducers, front end and codes as in a campaign, read by the
+analysis without a file.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -25,8 +27,8 @@ OUTSIDE_THE_INSTRUMENTS = ("noise", "air", "gas", "mount", "waveform", "refill")
 
 @dataclass(frozen=True)
 class Plan:
-    """What all sessions of a coverage study share: the protocol with its rig, W_T as plain numbers, and the conditions'
-    facts; only the seed differs."""
+    """What all sessions of a coverage study share: the protocol with its rig, W_T as plain numbers,
+    and the conditions' facts; only the seed differs."""
 
     protocol: Protocol
     rig: Rig
@@ -40,7 +42,10 @@ class Plan:
         rig = load_rig(protocol.rig)
         campaign = campaign_of(protocol, rig)
         found = predictions(campaign.conditions, rig, 1)
-        facts = (condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate) for c in campaign.conditions)
+        facts = (
+            condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate)
+            for c in campaign.conditions
+        )
         told = {c.id: found[c.id] for c in campaign.conditions if has_level(c)}
         return cls(protocol, rig, prediction_document(told), {fact["id"]: fact for fact in facts})
 
@@ -74,7 +79,9 @@ class MemoryTruth:
     columns: tuple[str, ...]
     documents: Mapping[str, Any]
 
-    def ledger(self, run: str, start: int = 0, stop: int | None = None) -> tuple[tuple[str, ...], np.ndarray]:
+    def ledger(
+        self, run: str, start: int = 0, stop: int | None = None
+    ) -> tuple[tuple[str, ...], np.ndarray]:
         return self.columns, self.ledgers[run][start:stop]
 
     def document(self, name: str) -> Any:
@@ -98,7 +105,8 @@ class MemoryRecord:
         for run in campaign.runs:
             ledgers[run.name] = self._recorded(campaign, run)
         self.channels: dict[str, ChannelInfo] = {
-            info.name: info for info in tools.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
+            info.name: info
+            for info in tools.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
         }
         self.runs = tuple(
             MemoryRun(
@@ -115,9 +123,16 @@ class MemoryRecord:
         """Codes and blocks of a run are kept; gives its ledger."""
         parts = list(assemble(campaign, run))
         self._codes[run.name] = np.concatenate([part.block.codes for part in parts], axis=1)
-        blocks = [(p.block.start, p.block.codes.shape[1], p.block.flags, p.block.clipped) for p in parts]
+        blocks = [
+            (p.block.start, p.block.codes.shape[1], p.block.flags, p.block.clipped) for p in parts
+        ]
         many = len(campaign.instruments.channels)
-        kind = [("start", "<u8"), ("count", "<u4"), ("flags", "<u2", (many,)), ("clipped", "<u4", (many,))]
+        kind = [
+            ("start", "<u8"),
+            ("count", "<u4"),
+            ("flags", "<u2", (many,)),
+            ("clipped", "<u4", (many,)),
+        ]
         self._blocks[run.name] = np.array(blocks, dtype=kind)
         self._scalars[run.name] = parts[-1].scalars or {}
         return np.concatenate([part.ledger for part in parts])

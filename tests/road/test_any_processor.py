@@ -1,4 +1,6 @@
-"""Nothing recorded or predicted hangs on numpy's transcendental functions, which choose instructions by processor."""
+"""Nothing recorded or predicted hangs on numpy's transcendental functions, which choose
+instructions by processor.
+"""
 
 import subprocess
 import sys
@@ -46,20 +48,32 @@ print(digest.hexdigest())
 print(prediction_document(predictions(campaign.conditions, campaign.rig, 1)))
 """
 
-SHORT = ("repeats.n=1", "acquire.settle=2 cycles", "acquire.record=8 cycles", "drive.acceleration=2")
+SHORT = (
+    "repeats.n=1",
+    "acquire.settle=2 cycles",
+    "acquire.record=8 cycles",
+    "drive.acceleration=2",
+)
 BEDS = "vary={scene.bed: [empty, locked, dashpot, layers, loop_back]}"
 
 
 def recorded(program: str, *sets: str) -> str:
-    done = subprocess.run([sys.executable, "-c", program, *SHORT, *sets], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program, *SHORT, *sets], cwd=ROOT, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
 @pytest.mark.parametrize(
     "sets",
-    [(BEDS,), pytest.param(("vary={scene.bed: [empty, layers]}", "drive.mode=coupled"), marks=pytest.mark.slow)],
-    ids=["servo", "coupled"],
+    [
+        (BEDS,),
+        pytest.param(
+            ("vary={scene.bed: [empty, layers]}", "drive.mode=shaker"), marks=pytest.mark.slow
+        ),
+    ],
+    ids=["prescribed", "shaker"],
 )
 def test_codes_ledger_and_predictions_are_the_same_to_the_byte(sets: tuple[str, ...]) -> None:
     assert recorded(PROGRAM, *sets) == recorded(OTHER + PROGRAM, *sets)

@@ -1,6 +1,6 @@
-"""How often claims are judged wrongly on whole sessions: instruments, fillings, levels and noise drawn anew, read from
-their codes, each claim at the edge where it is only just false. `python tests/road/test_claims_sessions.py 500` prints
-the shares."""
+"""How often claims are judged wrongly on whole sessions: instruments, fillings, levels and noise
+drawn anew, read from their codes, each claim at the edge where it is only just false. `python
+tests/road/test_claims_sessions.py 500` prints the shares."""
 
 import sys
 from collections import Counter
@@ -38,8 +38,8 @@ Limits = Sequence[Sequence[float]]
 
 @dataclass(frozen=True)
 class Case:
-    """Sessions of one plan and the claims about them. edge: limits that make the claims only just false, of all
-    sessions; they take the place of those in the claim."""
+    """Sessions of one plan and the claims about them. edge: limits that make the claims only just
+    false, of all sessions; they take the place of those in the claim."""
 
     vary: str
     claims: tuple[str, ...]
@@ -49,7 +49,9 @@ class Case:
 
 @dataclass(frozen=True)
 class Read:
-    """A session without its codes, the energies of its runs, and true W (J) by condition, mean over the refills."""
+    """A session without its codes, the energies of its runs, and true W (J) by condition, mean over
+    the refills.
+    """
 
     record: MemoryRecord
     energies: Mapping[str, RunEnergy]
@@ -70,7 +72,9 @@ def share(found: Sequence[Read]) -> Limits:
 
 
 def offset(found: Sequence[Read]) -> Limits:
-    """From W over W_T at the levels reached, less 1 (refills and the box's losses), to far away, and the other way."""
+    """From W over W_T at the levels reached, less 1 (refills and the box's losses), to far away,
+    and the other way.
+    """
     ratios = []
     for session in found:
         rows = read_session(session.record, session.energies).document()["conditions"]
@@ -83,7 +87,8 @@ def offset(found: Sequence[Read]) -> Limits:
 
 WALL = "scene.cavity.wall"
 CASES = {
-    # A thicker wall adds mass and nothing else: three values whose W is the same, with three reactive forces.
+    # A thicker wall adds mass and nothing else: three values whose W is the same, with three
+    # reactive forces.
     "alike": Case(
         f"{WALL}: [4 mm, 5 mm, 6 mm]",
         (
@@ -107,7 +112,9 @@ CASES = {
         lambda _: [],
     ),
     "power law": Case(
-        "drive.acceleration: [3 m/s^2, 4 m/s^2, 5 m/s^2]", ("nonlinear: drive.acceleration",), exponent
+        "drive.acceleration: [3 m/s^2, 4 m/s^2, 5 m/s^2]",
+        ("nonlinear: drive.acceleration",),
+        exponent,
     ),
     "nearly zero": Case(
         "scene.grains.fill: [20 %, 85 %]",
@@ -115,9 +122,12 @@ CASES = {
         share,
     ),
     "offset": Case(
-        "drive.acceleration: [3 m/s^2, 4 m/s^2]", ("offset_within: [0, 1]", "offset_within: [-1, 0]"), offset, rows=4
+        "drive.acceleration: [3 m/s^2, 4 m/s^2]",
+        ("offset_within: [0, 1]", "offset_within: [-1, 0]"),
+        offset,
+        rows=4,
     ),
-}  # fmt: skip
+}
 
 
 def sessions(case: Case, count: int) -> list[Read]:
@@ -126,7 +136,10 @@ def sessions(case: Case, count: int) -> list[Read]:
         record = plan.session(seed)
         energies = {run.name: run_energy(record, run) for run in record.runs}
         record.forget()
-        true = [np.mean([lost(e) for e in energies.values() if e.condition == name]) for name in record.conditions]
+        true = [
+            np.mean([lost(e) for e in energies.values() if e.condition == name])
+            for name in record.conditions
+        ]
         found.append(Read(record, energies, np.array(true)))
     return found
 
@@ -140,7 +153,9 @@ def verdicts(case: Case, count: int) -> dict[str, Counter[str]]:
     """Claim -> how often each verdict."""
     found = sessions(case, count)
     text = TEXT.format(vary=case.vary, rows=case.rows)
-    protocol = load_protocol(text + "".join(f"  - {{claim: it is so, {claim}}}\n" for claim in case.claims))
+    protocol = load_protocol(
+        text + "".join(f"  - {{claim: it is so, {claim}}}\n" for claim in case.claims)
+    )
     entries: list[dict[str, Any]] = cases(protocol, conditions(protocol))
     for entry, limits in zip(entries, case.edge(found), strict=False):
         entry["limits"] = list(limits)
@@ -154,7 +169,9 @@ def verdicts(case: Case, count: int) -> dict[str, Counter[str]]:
 
 
 def check(name: str, count: int) -> None:
-    """No claim may hold in more than 5 % of the sessions, nor be denied where its edge makes it just true as well."""
+    """No claim may hold in more than 5 % of the sessions, nor be denied where its edge makes it
+    just true as well.
+    """
     most = int(stats.binom.ppf(0.999, count, 0.05))
     for claim, counts in verdicts(CASES[name], count).items():
         print(f"{count} sessions, {claim}: {dict(counts)}")
@@ -166,8 +183,8 @@ def check(name: str, count: int) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_claims_are_rarely_judged_wrongly(name: str) -> None:
-    """5 % within the 99.9 % binomial band of 40 sessions. Its slow twin has 500; over 3000 sessions a flat step was
-    told to rise or fall in 5.1 +- 0.3 %."""
+    """5 % within the 99.9 % binomial band of 40 sessions. Its slow twin has 500; over 3000 sessions
+    a flat step was told to rise or fall in 5.1 +- 0.3 %."""
     check(name, 40)
 
 

@@ -32,7 +32,9 @@ def test_run_writes_what_it_says(session: Path) -> None:
 
 
 def test_json_and_nothing_else(rig_command: Rig, small: Path, tmp_path: Path) -> None:
-    done = rig_command("run", small, "--out", tmp_path / "o", "--json", "--set", "repeats.n=1", *COMMON)
+    done = rig_command(
+        "run", small, "--out", tmp_path / "o", "--json", "--set", "repeats.n=1", *COMMON
+    )
     assert json.loads(done.stdout)["protocol"] == "small"
     assert done.stderr == ""
 
@@ -51,7 +53,17 @@ def test_model_prints_the_contract(rig_command: Rig) -> None:
     done = rig_command("model", "--vary", "drive.acceleration=[1, 5]", "--json")
     rows = json.loads(done.stdout)["conditions"]
     assert [row["acceleration"] for row in rows] == [1.0, 5.0]
-    assert {"bed_mass", "box_mass", "layers", "W_f", "W_c", "W_T", "W_T_paper", "bound", "period"} <= set(rows[0])
+    assert {
+        "bed_mass",
+        "box_mass",
+        "layers",
+        "W_f",
+        "W_c",
+        "W_T",
+        "W_T_as_printed",
+        "bound",
+        "period",
+    } <= set(rows[0])
     assert rows[1]["W_T"] == pytest.approx(rows[1]["W_f"] + rows[1]["W_c"], rel=1e-12)
 
 
@@ -68,7 +80,12 @@ def test_check_warns_and_strict_refuses(rig_command: Rig, small: Path, tmp_path:
     warned = rig_command("run", small, *beyond, "--out", tmp_path / "w", *COMMON)
     assert "warning: over_force in 2 runs" in warned.stdout
     flagged = rig_command("run", small, *beyond, "--out", tmp_path / "p", "--json", *COMMON)
-    flags = [flag for c in json.loads(flagged.stdout)["conditions"] for r in c["runs"] for flag in r["flags"]]
+    flags = [
+        flag
+        for c in json.loads(flagged.stdout)["conditions"]
+        for r in c["runs"]
+        for flag in r["flags"]
+    ]
     assert any("force" in flag for flag in flags)
 
 
@@ -76,7 +93,10 @@ def test_check_warns_and_strict_refuses(rig_command: Rig, small: Path, tmp_path:
     ("sets", "said"),
     [
         (("acquire.ranges.force=0.1 V",), "force range"),
-        (("drive.mode=coupled", "drive.acceleration=80 m/s^2", "scene.bed=empty"), "the level is not reached"),
+        (
+            ("drive.mode=shaker", "drive.acceleration=80 m/s^2", "scene.bed=empty"),
+            "the level is not reached",
+        ),
         (("fidelity=auto", "tolerance=1e-9"), "the tolerance is not met"),
     ],
     ids=["range", "level", "tolerance"],
@@ -84,7 +104,9 @@ def test_check_warns_and_strict_refuses(rig_command: Rig, small: Path, tmp_path:
 def test_check_fails_where_the_plan_will_not_hold(
     rig_command: Rig, small: Path, sets: tuple[str, ...], said: str
 ) -> None:
-    """Exit code 1, as a run that overloads or misses its level ends with; a limit of the exciter alone only warns."""
+    """Exit code 1, as a run that overloads or misses its level ends with; a limit of the exciter
+    alone only warns.
+    """
     words = [word for one in sets for word in ("--set", one)]
     done = rig_command("check", small, *words, "--json")
     assert done.returncode == 1, done.stderr
@@ -118,26 +140,43 @@ def test_catalog_names_statuses(rig_command: Rig) -> None:
     rows = json.loads(done.stdout)
     assert {row["status"] for row in rows} <= {"sourced", "recalled", "computed", "assumed"}
     assert any(row["name"] == "JZ-30" for row in rows)
-    assert any(row["field"] == "wall_friction" for row in json.loads(rig_command("catalog", "rig", "--json").stdout))
+    assert any(
+        row["field"] == "wall_friction"
+        for row in json.loads(rig_command("catalog", "rig", "--json").stdout)
+    )
 
 
 BAD = {
     "unknown key": ("schema: rig/protocol/1\nname: x\nscne: {}\n", r"x\.yaml:3: .*scene"),
-    "missing unit": ("schema: rig/protocol/1\nname: x\ndrive: {frequency: '20'}\n", r"x\.yaml:3: drive\.frequency.*Hz"),
-    "negative mass": ("schema: rig/protocol/1\nname: x\nscene: {grains: {density: -1 kg/m^3}}\n", r"density"),
+    "missing unit": (
+        "schema: rig/protocol/1\nname: x\ndrive: {frequency: '20'}\n",
+        r"x\.yaml:3: drive\.frequency.*Hz",
+    ),
+    "negative mass": (
+        "schema: rig/protocol/1\nname: x\nscene: {grains: {density: -1 kg/m^3}}\n",
+        r"density",
+    ),
     "fill 1.2": ("schema: rig/protocol/1\nname: x\nscene: {grains: {fill: 1.2}}\n", r"fill.*1\.2"),
     "frequency 0": ("schema: rig/protocol/1\nname: x\ndrive: {frequency: 0 Hz}\n", r"frequency"),
     "400 samples": ("schema: rig/protocol/1\nname: x\nacquire: {samples_per_cycle: 400}\n", r"500"),
     "grains": ("schema: rig/protocol/1\nname: x\nscene: {bed: grains}\n", r"not built yet"),
-    "coupled": ("schema: rig/protocol/1\nname: x\nfidelity: auto\ndrive: {mode: coupled}\n", r"coupled"),
+    "shaker": (
+        "schema: rig/protocol/1\nname: x\nfidelity: auto\ndrive: {mode: shaker}\n",
+        r"shaker",
+    ),
     "axis": ("schema: rig/protocol/1\nname: x\nscene: {axis: vertical}\n", r"horizontal"),
     "empty": ("", r"empty"),
-    "two mistakes": ("schema: rig/protocol/1\nname: x\nscene: {grains: {fill: 3}}\nseed: -1\n", r"(?s)fill.*seed"),
+    "two mistakes": (
+        "schema: rig/protocol/1\nname: x\nscene: {grains: {fill: 3}}\nseed: -1\n",
+        r"(?s)fill.*seed",
+    ),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_one_clear_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
+def test_bad_input_is_one_clear_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str
+) -> None:
     """In this process; junk below goes to one of its own."""
     text, expected = BAD[case]
     (tmp_path / "x.yaml").write_text(text)
@@ -182,19 +221,43 @@ def test_missing_and_foreign_sessions(rig_command: Rig, tmp_path: Path) -> None:
             assert "Traceback" not in done.stderr
 
 
-def test_a_rig_that_cannot_keep_pace_stops_with_three(rig_command: Rig, small: Path, tmp_path: Path) -> None:
-    done = rig_command("run", small, "--speed", "1e7", "--out", tmp_path / "o", "--set", "acquire.record=4000 cycles")
+def test_a_rig_that_cannot_keep_pace_stops_with_three(
+    rig_command: Rig, small: Path, tmp_path: Path
+) -> None:
+    done = rig_command(
+        "run",
+        small,
+        "--speed",
+        "1e7",
+        "--out",
+        tmp_path / "o",
+        "--set",
+        "acquire.record=4000 cycles",
+    )
     assert done.returncode == 3
     assert "late" in done.stderr or "after its time" in done.stderr
 
 
-@pytest.mark.parametrize("words", [("info",), ("info", "--json"), ("report",), ("report", "--json")])
-def test_a_reader_that_has_seen_enough_changes_no_exit_code(words: tuple[str, ...], session: Path) -> None:
+@pytest.mark.parametrize(
+    "words", [("info",), ("info", "--json"), ("report",), ("report", "--json")]
+)
+def test_a_reader_that_has_seen_enough_changes_no_exit_code(
+    words: tuple[str, ...], session: Path
+) -> None:
     """As `| head -1` does: the read end of the pipe is closed before anything is printed."""
     read, write = os.pipe()
     os.close(read)
-    command = [sys.executable, "-c", "from rig.cli.app import main; main()", words[0], str(session), *words[1:]]
-    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False, timeout=300)
+    command = [
+        sys.executable,
+        "-c",
+        "from rig.cli.app import main; main()",
+        words[0],
+        str(session),
+        *words[1:],
+    ]
+    done = subprocess.run(
+        command, stdout=write, stderr=subprocess.PIPE, text=True, check=False, timeout=300
+    )
     os.close(write)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""

@@ -1,4 +1,6 @@
-"""`rig report A B` on the command line: exit codes, files, JSON, two beds, simulated against imported."""
+"""`rig report A B` on the command line: exit codes, files, JSON, two beds, simulated against
+imported.
+"""
 
 import json
 from pathlib import Path
@@ -26,13 +28,17 @@ LEVELS = "3 m/s^2, 4 m/s^2"
 
 @pytest.fixture(scope="module")
 def made(rig_command: Rig, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Sessions: the same bed twice (other instruments), a slug, other levels."""
+    """Sessions: the same bed twice (other instruments), a single mass, other levels."""
     folder, found = tmp_path_factory.mktemp("compare"), {}
     for name, bed, levels, seed in (
-        ("one", "layers", LEVELS, 1), ("two", "layers", LEVELS, 2), ("slug", "slug", LEVELS, 1),
+        ("one", "layers", LEVELS, 1),
+        ("two", "layers", LEVELS, 2),
+        ("single_mass", "single_mass", LEVELS, 1),
         ("apart", "layers", "6 m/s^2", 1),
-    ):  # fmt: skip
-        (folder / f"{name}.yaml").write_text(PROTOCOL.format(name=name, bed=bed, levels=levels, seed=seed))
+    ):
+        (folder / f"{name}.yaml").write_text(
+            PROTOCOL.format(name=name, bed=bed, levels=levels, seed=seed)
+        )
         done = rig_command("run", folder / f"{name}.yaml", "--out", folder / name, "--workers", "1")
         assert done.returncode in (0, 1), done.stderr
         found[name] = folder / name
@@ -62,20 +68,28 @@ def test_files_words_and_json(rig_command: Rig, made: dict[str, Path], tmp_path:
     assert json.loads(printed.stdout) == found
 
 
-def test_without_a_folder_it_goes_beside_the_second(rig_command: Rig, made: dict[str, Path]) -> None:
+def test_without_a_folder_it_goes_beside_the_second(
+    rig_command: Rig, made: dict[str, Path]
+) -> None:
     before = (made["one"] / "report.json").read_bytes()
     assert rig_command("report", made["one"], made["two"] / "session.h5").returncode == 0
     compared(made["two"] / "against_one")
     assert (made["one"] / "report.json").read_bytes() == before
 
 
-def test_two_beds_at_equal_settings(rig_command: Rig, made: dict[str, Path], tmp_path: Path) -> None:
-    """Same seed, so the same instruments: their errors cancel. A rigid slug in a horizontal box is not loose layers."""
-    done = rig_command("report", made["one"], made["slug"], "--out", tmp_path)
+def test_two_beds_at_equal_settings(
+    rig_command: Rig, made: dict[str, Path], tmp_path: Path
+) -> None:
+    """Same seed, so the same instruments: their errors cancel. A rigid single mass in a horizontal
+    box is not loose layers.
+    """
+    done = rig_command("report", made["one"], made["single_mass"], "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     found = compared(tmp_path)
     assert found["same_instruments"] is True
-    assert {(pair["bed_A"], pair["bed_B"]) for pair in found["pairs"]} == {("layers", "slug")}
+    assert {(pair["bed_A"], pair["bed_B"]) for pair in found["pairs"]} == {
+        ("layers", "single_mass")
+    }
     assert found["overall"]["n"] == 2
 
 
@@ -94,15 +108,21 @@ def test_bad_input_writes_nothing(rig_command: Rig, made: dict[str, Path], tmp_p
         assert done.returncode == 2
         assert "Traceback" not in done.stderr
         assert not (tmp_path / "c").exists()
-    assert rig_command("report", made["one"], made["two"], made["slug"], "--out", tmp_path / "c").returncode == 2
+    assert (
+        rig_command(
+            "report", made["one"], made["two"], made["single_mass"], "--out", tmp_path / "c"
+        ).returncode
+        == 2
+    )
 
 
 @pytest.mark.parametrize("level", [", acceleration: 3 m/s^2", ""])
 def test_a_simulated_session_against_an_imported_one(
     rig_command: Rig, made: dict[str, Path], tmp_path: Path, level: str
 ) -> None:
-    """The records of session `one` at the lower level, exported as a laboratory's own: W must agree, and what the
-    mapping does not say (the fill; the level that was set, where only the measured one is known) is no difference."""
+    """The records of session `one` at the lower level, exported as a laboratory's own: W must
+    agree, and what the mapping does not say (the fill; the level that was set, where only the
+    measured one is known) is no difference."""
     facts = json.loads(rig_command("info", made["one"], "--json").stdout)["conditions"][0]
     report = json.loads((made["one"] / "report.json").read_text(encoding="utf-8"))
     row = next(row for row in report["conditions"] if row["acceleration_set"] == 3.0)
@@ -110,7 +130,12 @@ def test_a_simulated_session_against_an_imported_one(
         out = tmp_path / f"{run['run']}.csv"
         done = rig_command("export", made["one"], "--to", "csv", "--run", run["run"], "--out", out)
         assert done.returncode == 0, done.stderr
-    head = (tmp_path / f"{row['runs'][0]['run']}.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    head = (
+        (tmp_path / f"{row['runs'][0]['run']}.csv")
+        .read_text(encoding="utf-8")
+        .splitlines()[0]
+        .split(",")
+    )
     runs = ", ".join(f"{{file: {run['run']}.csv}}" for run in row["runs"])
     (tmp_path / "map.yaml").write_text(
         "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
@@ -120,7 +145,9 @@ def test_a_simulated_session_against_an_imported_one(
         f"runs: [{runs}]\n"
     )
     assert facts["diameter"] == 8e-3
-    done = rig_command("import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab")
+    done = rig_command(
+        "import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab"
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     done = rig_command("report", made["one"], tmp_path / "lab", "--out", tmp_path / "c")
     assert done.returncode == 0, done.stderr
@@ -130,7 +157,8 @@ def test_a_simulated_session_against_an_imported_one(
     assert (pair["A"], pair["B"], pair["bed_B"]) == (row["id"], "lab", "unknown")
     assert pair["not_compared"] == ["density", "fill"]
     assert "does not know it: density, fill." in done.stdout.replace("\n", " ")
-    # the same samples; what differs: frequency found or known, window, poles of the certificate's digits
+    # the same samples; what differs: frequency found or known, window, poles of the certificate's
+    # digits
     assert abs(pair["relative"]) < 0.01
     assert not pair["significant"]
 
@@ -140,15 +168,24 @@ def test_what_a_violent_bed_does_not_repeat_is_not_the_quiet_records_noise(
 ) -> None:
     """All levels of session `one` imported together, noise not stated: each is used."""
     assert rig_command("export", made["one"], "--to", "csv", "--out", tmp_path).returncode == 0
-    facts = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(tmp_path.glob("*.json"))]
-    head = (tmp_path / f"{facts[0]['run']}.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
-    runs = "".join(f"  - {{file: {one['run']}.csv, condition: {{id: {one['condition']['id']}}}}}\n" for one in facts)
+    facts = [
+        json.loads(path.read_text(encoding="utf-8")) for path in sorted(tmp_path.glob("*.json"))
+    ]
+    head = (
+        (tmp_path / f"{facts[0]['run']}.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    )
+    runs = "".join(
+        f"  - {{file: {one['run']}.csv, condition: {{id: {one['condition']['id']}}}}}\n"
+        for one in facts
+    )
     (tmp_path / "map.yaml").write_text(
         "schema: rig/map/1\nname: lab\nrate: 10240 Hz\nsettle: 0.5 s\n"
         f"force: {{channel: {json.dumps(head[0])}}}\n"
         f"acceleration: {{channel: {json.dumps(head[1])}}}\nruns:\n{runs}"
     )
-    done = rig_command("import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab")
+    done = rig_command(
+        "import", tmp_path, "--map", tmp_path / "map.yaml", "--out", tmp_path / "lab"
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "lab" / "report.json").read_text(encoding="utf-8"))
     assert report["left_out"] == []

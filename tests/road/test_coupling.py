@@ -1,4 +1,6 @@
-"""AC and IEPE coupling on the whole road: compensated by the certified corners, the rest stated as an uncertainty."""
+"""AC and IEPE coupling on the whole road: compensated by the certified corners, the rest stated as
+an uncertainty.
+"""
 
 from pathlib import Path
 
@@ -30,8 +32,9 @@ def report(out: Path, *sets: str) -> dict:
 
 
 def test_certified_corners_are_undone(tmp_path: Path) -> None:
-    """Ideal but for a corner of 0.5 Hz in both channels, exactly certified: after 3 s, 9.4 of its time constants, what
-    is left of the start is 25 mrad e^-9.4 = 2e-6 of the signal, and the ledger's energy comes out as without."""
+    """Ideal but for a corner of 0.5 Hz in both channels, exactly certified: after 3 s, 9.4 of its
+    time constants, what is left of the start is 25 mrad e^-9.4 = 2e-6 of the signal, and the
+    ledger's energy comes out as without."""
     found = report(tmp_path, *IDEAL, "acquire.coupling=AC")
     for condition in found["conditions"]:
         if condition["bed"] == "layers":
@@ -43,9 +46,12 @@ def test_certified_corners_are_undone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["AC", "IEPE"])
-def test_corners_ten_per_cent_apart_are_within_what_is_stated(tmp_path: Path, coupling: str) -> None:
-    """hardware.md: two 0.5 Hz corners 10 % apart give 5 mrad at 20 Hz. U of the angle: two rectangular halves of 2.5
-    mrad over sqrt(3), k = 2: 4 mrad; with DC coupling it is 1 mrad (the accelerometer's pole)."""
+def test_corners_ten_per_cent_apart_are_within_what_is_stated(
+    tmp_path: Path, coupling: str
+) -> None:
+    """hardware.md: two 0.5 Hz corners 10 % apart give 5 mrad at 20 Hz. U of the angle: two
+    rectangular halves of 2.5 mrad over sqrt(3), k = 2: 4 mrad; with DC coupling it is 1 mrad (the
+    accelerometer's pole)."""
     found = report(tmp_path, f"acquire.coupling={coupling}")
     assert found["verdict"] == "passes"
     (null,) = found["nulls"]
@@ -60,8 +66,12 @@ def test_corners_ten_per_cent_apart_are_within_what_is_stated(tmp_path: Path, co
             assert abs(condition["offset_terms"]["phase"]) > 1e-4
 
 
-def test_a_sensor_that_clips_in_impacts_is_flagged_though_the_record_shows_none(tmp_path: Path) -> None:
-    """Few rows hit together: 2.2 kN for less than a sample is 5 V at the sensor, and 3 V behind the filter."""
+def test_a_sensor_that_clips_in_impacts_is_flagged_though_the_record_shows_none(
+    tmp_path: Path,
+) -> None:
+    """Few rows hit together: 2.2 kN for less than a sample is 5 V at the sensor, and 3 V behind the
+    filter.
+    """
     few = (
         "vary={}",
         "scene.bed=layers",
@@ -69,7 +79,10 @@ def test_a_sensor_that_clips_in_impacts_is_flagged_though_the_record_shows_none(
         "drive.acceleration=6",
         "acquire.effects=[resonance]",
     )
-    dc, iepe = report(tmp_path / "dc", *few), report(tmp_path / "iepe", *few, "acquire.coupling=IEPE")
+    dc, iepe = (
+        report(tmp_path / "dc", *few),
+        report(tmp_path / "iepe", *few, "acquire.coupling=IEPE"),
+    )
     (clipped,), (clean,) = (found["conditions"][0]["runs"] for found in (iepe, dc))
     assert "sensor_clip" in clipped["flags"]
     assert "sensor_clip" not in clean["flags"]

@@ -1,5 +1,6 @@
-"""What the stated 95 % intervals hold: sessions whose instruments, fillings, levels and noise are drawn anew, read from
-their codes, against what only the ledger knows. `python tests/road/test_coverage.py 2000` prints the shares."""
+"""What the stated 95 % intervals hold: sessions whose instruments, fillings, levels and noise are
+drawn anew, read from their codes, against what only the ledger knows. `python
+tests/road/test_coverage.py 2000` prints the shares."""
 
 import math
 import sys
@@ -31,17 +32,22 @@ INPUTS: dict[str, dict[str, object]] = {
         "more": ", coupling: {force: IEPE, acceleration: AC}, effects: [linearity, resonance, flicker]",
     },
 }
-"""Skew, clock, gain, poles, noise are always drawn. With a corner of 0.5 Hz 20 cycles leave 25 mrad e^-3.1 of the
-start: a millirad that decays, which the loop of a cycle does not see. 19 rows are the grains side by side: fewer and
-heavier rows hit so hard that a ringing IEPE sensor clips (4 rows at 4 m/s^2: -3 % of W), which no budget holds."""
-PLANS = {f"{name}, {n} refills": TEXT.format(repeats=n, **more) for name, more in INPUTS.items() for n in (4, 3)}
+"""Skew, clock, gain, poles, noise are always drawn. With a corner of 0.5 Hz 20 cycles leave 25 mrad
+e^-3.1 of the start: a millirad that decays, which the loop of a cycle does not see. 19 rows are the
+grains side by side: fewer and heavier rows hit so hard that a ringing IEPE sensor clips (4 rows at
+4 m/s^2: -3 % of W), which no budget holds."""
+PLANS = {
+    f"{name}, {n} refills": TEXT.format(repeats=n, **more)
+    for name, more in INPUTS.items()
+    for n in (4, 3)
+}
 BAND = 0.999
 
 
 @dataclass(frozen=True)
 class Seen:
-    """A session: by condition W_exp, its U, E_n of the chain, true losses of its runs (J), offset, its U, and the
-    offset without what the instruments did; the same of the ratio; slope with U."""
+    """A session: by condition W_exp, its U, E_n of the chain, true losses of its runs (J), offset,
+    its U, and the offset without what the instruments did; the same of the ratio; slope with U."""
 
     W: np.ndarray
     U: np.ndarray
@@ -62,19 +68,30 @@ def seen(record: Any) -> Seen:
     report = read_session(record, energies).document()
     rows = report["conditions"]
     # a clip of a handful of the 2048 samples that count is told, and leaves W within its U
-    assert all(flag["flag"].startswith("over_") or flag["flag"] == "sensor_clip" for flag in report["flags"])
+    assert all(
+        flag["flag"].startswith("over_") or flag["flag"] == "sensor_clip"
+        for flag in report["flags"]
+    )
     assert all(one["clip_ratio"] < 0.05 for row in rows for one in row["runs"])
     true = [
-        np.mean([sum(e.ledger.get(name, 0.0) for name in DISSIPATED) for e in energies.values() if e.condition == c])
+        np.mean(
+            [
+                sum(e.ledger.get(name, 0.0) for name in DISSIPATED)
+                for e in energies.values()
+                if e.condition == c
+            ]
+        )
         for c in record.conditions
     ]
     W_T = np.array([row["W_T"] for row in rows])
-    apart = np.array([sum(row["offset_terms"][name] for name in OUTSIDE_THE_INSTRUMENTS) for row in rows])
+    apart = np.array(
+        [sum(row["offset_terms"][name] for name in OUTSIDE_THE_INSTRUMENTS) for row in rows]
+    )
     agreement = report["agreement"]
     return Seen(
         W=np.array([row["W_exp"] for row in rows]),
         U=np.array([row["U_W_exp"] for row in rows]),
-        chain=np.array([row["E_n_chain"] for row in rows]),
+        chain=np.array([row["E_n_truth"] for row in rows]),
         true=np.array(true),
         offset=np.array([row["offset"] for row in rows]),
         U_offset=np.array([row["U_offset"] for row in rows]),
@@ -94,19 +111,19 @@ def sessions(text: str, count: int, first: int = 1) -> Iterator[Seen]:
 
 
 def shares(found: list[Seen]) -> dict[str, np.ndarray]:
-    """Shares of the sessions whose interval holds the truth. Of the chain: the runs' own ledger. Of W_exp, offset and
-    ratio: what refills give in the mean, known from all sessions' ledgers. Of the slope,
-    where all state one: its mean over all sessions."""
+    """Shares of the sessions whose interval holds the truth. Of the chain: the runs' own ledger. Of
+    W_exp, offset and ratio: what refills give in the mean, known from all sessions' ledgers. Of the
+    slope, where all state one: its mean over all sessions."""
     mean = np.mean([s.true for s in found], axis=0)
     offset = np.mean([s.true_offset for s in found], axis=0)
     ratio = np.mean([s.true_ratio for s in found])
     stated = all(s.slope is not None for s in found)
     slope = {}
-    if (
-        stated
-    ):  # otherwise W_exp is no line through the origin, and those sessions in which it looks like one are chosen
+    if stated:  # otherwise W_exp is no line through the origin, and those sessions in which it looks like one are chosen
         mean_slope = np.mean([s.slope for s in found])
-        slope = {"slope": np.mean([[abs(s.slope - mean_slope) <= s.U_slope] for s in found], axis=0)}
+        slope = {
+            "slope": np.mean([[abs(s.slope - mean_slope) <= s.U_slope] for s in found], axis=0)
+        }
     return {
         "chain": np.mean([np.abs(s.chain) <= 1 for s in found], axis=0),
         "W_exp": np.mean([np.abs(s.W - mean) <= s.U for s in found], axis=0),
@@ -120,7 +137,10 @@ def told(found: list[Seen]) -> str:
     """The shares as lines of text."""
     spread = math.sqrt(float(np.mean([s.chain**2 for s in found])))
     rows = [f"{len(found)} sessions, rms E_n of the chain {spread:.3f}"]
-    rows += [f"  {name}: {', '.join(f'{100 * s:.2f} %' for s in share)}" for name, share in shares(found).items()]
+    rows += [
+        f"  {name}: {', '.join(f'{100 * s:.2f} %' for s in share)}"
+        for name, share in shares(found).items()
+    ]
     return "\n".join(rows)
 
 
@@ -129,7 +149,9 @@ def check(text: str, count: int) -> None:
     found = list(sessions(text, count))
     print(told(found))
     for name, share in shares(found).items():
-        assert ((low <= share) & (share <= high)).all(), f"{name}: {share} outside {low:.4f} to {high:.4f}"
+        assert ((low <= share) & (share <= high)).all(), (
+            f"{name}: {share} outside {low:.4f} to {high:.4f}"
+        )
 
 
 @pytest.mark.parametrize("inputs", [name for name in PLANS if "4" in name])

@@ -1,4 +1,6 @@
-"""What `rig check` says of claims before anything is measured: whether they can be decided, and by how many repeats."""
+"""What `rig check` says of claims before anything is measured: whether they can be decided, and by
+how many repeats.
+"""
 
 from pathlib import Path
 
@@ -37,8 +39,8 @@ def told(source: str | Path, sets: tuple[str, ...] = ()) -> list[Decision]:
 
 
 def test_claims_are_decided_by_the_repeats_that_they_need():
-    """Certificates alone leave U = 1.6 %: no repeats tell an offset within 1 %. A level 3 % above another takes 10 %
-    more, which two refills that scatter by as much do not tell and more do."""
+    """Certificates alone leave U = 1.6 %: no repeats tell an offset within 1 %. A level 3 % above
+    another takes 10 % more, which two refills that scatter by as much do not tell and more do."""
     found = {one.claim: one for one in told(TEXT)}
     assert found["within the certificates"].repeats is None
     assert found["within the certificates"].verdict == "undecided"

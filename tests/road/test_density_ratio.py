@@ -1,4 +1,6 @@
-"""What the shipped rig file was identified for: the ratio of the density protocol, with and without its losses."""
+"""What the shipped rig file was identified for: the ratio of the density protocol, with and without
+its losses.
+"""
 
 from pathlib import Path
 
@@ -13,12 +15,18 @@ PROTOCOL = Path(__file__).resolve().parents[2] / "protocols" / "density.yaml"
 
 
 @pytest.mark.parametrize(
-    ("sets", "ratio", "margin"), [((), 1.07, 0.005), (("scene.losses=[]",), 1.0, 0.01)], ids=["losses", "none"]
+    ("sets", "ratio", "margin"),
+    [((), 1.07, 0.005), (("scene.losses=[]",), 1.0, 0.01)],
+    ids=["losses", "none"],
 )
 def test_the_ratio_is_put_in_by_the_losses_alone(
     tmp_path: Path, sets: tuple[str, ...], ratio: float, margin: float
 ) -> None:
-    """Margins as promised for the shipped rig file and seed; another seed scatters by 0.027 (docs/decisions/0004)."""
+    """Margins as promised for the shipped rig file and seed; another seed scatters by 0.027
+    (docs/decisions/0004).
+    """
     protocol = load_protocol(PROTOCOL, sets)
-    report = run(campaign_of(protocol, load_rig(protocol.rig), PROTOCOL.read_text()), tmp_path).document()
+    report = run(
+        campaign_of(protocol, load_rig(protocol.rig), PROTOCOL.read_text()), tmp_path
+    ).document()
     assert report["agreement"]["ratio"] == pytest.approx(ratio, abs=margin)

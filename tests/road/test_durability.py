@@ -1,4 +1,6 @@
-"""Kills, full disks, folders that go: what was recorded stays, the word is clear, and resuming ends where it should."""
+"""Kills, full disks, folders that go: what was recorded stays, the word is clear, and resuming ends
+where it should.
+"""
 
 import os
 import resource
@@ -17,7 +19,9 @@ from small_protocol import SMALL, Rig
 from daq import open_session
 
 ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="kills and limits of other processes")
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="kills and limits of other processes"
+)
 
 
 def kills(folder: Path, count: int, seed: int) -> list[str]:
@@ -25,7 +29,12 @@ def kills(folder: Path, count: int, seed: int) -> list[str]:
     command = [sys.executable, str(program), str(folder), str(count), str(seed)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(ROOT), str(program.parent)))}
     done = subprocess.run(
-        command, capture_output=True, text=True, timeout=60 + 40 * count, env=environment, check=False
+        command,
+        capture_output=True,
+        text=True,
+        timeout=60 + 40 * count,
+        env=environment,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -41,18 +50,24 @@ def test_three_kills(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_hundred_kills(tmp_path: Path) -> None:
     lines = kills(tmp_path, 100, 1)
-    assert sum("no file yet" not in line for line in lines) > 30  # most of them hit the recording itself
+    assert (
+        sum("no file yet" not in line for line in lines) > 30
+    )  # most of them hit the recording itself
 
 
 @contextmanager
 def recording(folder: Path, out: Path) -> Iterator[subprocess.Popen[str]]:
-    """`rig run` in a process of its own, once its session has its first samples; paced, so that there is time."""
+    """`rig run` in a process of its own, once its session has its first samples; paced, so that
+    there is time.
+    """
     (folder / "p.yaml").write_text(SMALL)
     fewer = ("--set", "vary={}", "--set", "scene.bed=locked", "--set", "repeats.n=3", "--set", "acquire.settle=4",
              "--set", "acquire.record=400")  # fmt: skip
     words = ["run", str(folder / "p.yaml"), "--out", str(out), "--speed", "20", *fewer]
     command = [sys.executable, "-c", "from rig.cli.app import main; main()", *words]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
+    )
     try:
         for _ in range(600):
             assert process.poll() is None, process.communicate()
@@ -83,8 +98,12 @@ def test_a_second_process_reads_while_it_is_written(tmp_path: Path) -> None:
     assert len(set(seen)) > 3
 
 
-def test_a_full_disk_stops_with_three_and_keeps_what_was_there(rig_command: Rig, tmp_path: Path) -> None:
-    """The kernel refuses every write beyond a limit set under way: the same failed call as on a full disk."""
+def test_a_full_disk_stops_with_three_and_keeps_what_was_there(
+    rig_command: Rig, tmp_path: Path
+) -> None:
+    """The kernel refuses every write beyond a limit set under way: the same failed call as on a
+    full disk.
+    """
     out = tmp_path / "o"
     with recording(tmp_path, out) as process:
         resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (4096, 4096))
@@ -100,7 +119,10 @@ def test_a_full_disk_stops_with_three_and_keeps_what_was_there(rig_command: Rig,
     whole = rig_command("run", tmp_path / "p.yaml", "--out", tmp_path / "whole", *fewer)
     assert whole.returncode == done.returncode
     assert (out / "report.json").read_bytes() == (tmp_path / "whole" / "report.json").read_bytes()
-    with open_session(out / "session.h5") as a, open_session(tmp_path / "whole" / "session.h5") as b:
+    with (
+        open_session(out / "session.h5") as a,
+        open_session(tmp_path / "whole" / "session.h5") as b,
+    ):
         for info in b.runs:
             np.testing.assert_array_equal(a.codes(info.name, "force"), b.codes(info.name, "force"))
 
@@ -123,7 +145,9 @@ def test_a_folder_that_goes_is_told_with_three(tmp_path: Path, how: str) -> None
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root writes anywhere")
-def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(rig_command: Rig, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(
+    rig_command: Rig, tmp_path: Path
+) -> None:
     (tmp_path / "p.yaml").write_text(SMALL)
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o555)
@@ -147,7 +171,15 @@ def test_no_room_for_the_session_is_told_with_three(small: Path, tmp_path: Path)
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
 
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=ROOT, preexec_fn=limit, check=False)
+    done = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=ROOT,
+        preexec_fn=limit,
+        check=False,
+    )
     assert done.returncode == 3, done.stderr
     assert "cannot create the session" in done.stderr
     assert "Traceback" not in done.stderr

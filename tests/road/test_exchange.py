@@ -1,4 +1,6 @@
-"""Other tools' files: what they read of ours, and what we read of theirs, each with their own libraries."""
+"""Other tools' files: what they read of ours, and what we read of theirs, each with their own
+libraries.
+"""
 
 import json
 import os
@@ -72,26 +74,41 @@ def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("own")
     command = [sys.executable, str(EXAMPLE / "make_record.py"), str(folder)]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    subprocess.run(command, check=True, timeout=60, capture_output=True, env=environment, cwd=folder)
+    subprocess.run(
+        command, check=True, timeout=60, capture_output=True, env=environment, cwd=folder
+    )
     return folder
 
 
-def test_uff58_is_read_by_pyuff(rig_command: Rig, session: Path, waves: tuple[Wave, ...], tmp_path: Path) -> None:
+def test_uff58_is_read_by_pyuff(
+    rig_command: Rig, session: Path, waves: tuple[Wave, ...], tmp_path: Path
+) -> None:
     pyuff = pytest.importorskip("pyuff")
-    done = rig_command("export", session, "--to", "uff58", "--run", "1", "--out", tmp_path / "r.uff")
+    done = rig_command(
+        "export", session, "--to", "uff58", "--run", "1", "--out", tmp_path / "r.uff"
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == str(tmp_path / "r.uff")
     force, acceleration, response = pyuff.UFF(str(tmp_path / "r.uff")).read_sets()
     for read, wave, number in ((force, waves[0], 13), (acceleration, waves[1], 12)):
-        assert (read["func_type"], read["ordinate_spec_data_type"], read["binary"]) == (1, number, 0)
+        assert (read["func_type"], read["ordinate_spec_data_type"], read["binary"]) == (
+            1,
+            number,
+            0,
+        )
         # 13 significant digits of E20.12; 6 of the step in record 7
         np.testing.assert_allclose(read["data"], wave.samples, rtol=1e-12, atol=0)
         assert read["x"][1] == pytest.approx(1 / wave.rate, rel=1e-5)
-        assert (read["id1"].strip(), read["ordinate_axis_units_lab"].strip()) == (wave.name, wave.unit)
+        assert (read["id1"].strip(), read["ordinate_axis_units_lab"].strip()) == (
+            wave.name,
+            wave.unit,
+        )
     assert (response["func_type"], response["orddenom_spec_data_type"]) == (4, 13)
     with open_session(session / "session.h5") as record:
         energy = run_energy(record, "run_0001").energy
-    np.testing.assert_allclose(response["data"][0], energy.acceleration[0] / energy.force[0], rtol=1e-11)
+    np.testing.assert_allclose(
+        response["data"][0], energy.acceleration[0] / energy.force[0], rtol=1e-11
+    )
     np.testing.assert_allclose(response["x"][:3], energy.frequency * np.array([1, 2, 3]))
 
 
@@ -103,25 +120,37 @@ def test_sep005_dicts_are_what_the_standard_says_and_feed_pyfrf(waves: tuple[Wav
     assert [entry["quantity"] for entry in entries] == ["f", "a"]
     last = 8 * 512  # whole cycles, so that the line of 20 Hz is one of the spectrum
     cut = [{**entry, "data": entry["data"][-last:]} for entry in entries]
-    frf = pyFRF.FRF(sampling_freq=None, exc=cut[0], resp=cut[1], window="none", resp_type="a", exc_type="f")
+    frf = pyFRF.FRF(
+        sampling_freq=None, exc=cut[0], resp=cut[1], window="none", resp_type="a", exc_type="f"
+    )
     line = int(np.argmin(np.abs(frf.get_f_axis() - 20.0)))
     apparent = 1 / abs(frf.get_FRF(frf_estimator="H1", frf_form="accelerance").ravel()[line])
     F, a = (np.fft.rfft(entry["data"])[line] for entry in cut)
-    assert apparent == pytest.approx(abs(F / a), rel=1e-6)  # the same samples, by its estimator and by hand
+    assert apparent == pytest.approx(
+        abs(F / a), rel=1e-6
+    )  # the same samples, by its estimator and by hand
 
 
 def test_npz_csv_and_mat_hold_the_samples(
     rig_command: Rig, session: Path, waves: tuple[Wave, ...], tmp_path: Path
 ) -> None:
     for to, name in (("sep005-npz", "r.npz"), ("csv", "r.csv"), ("mat", "r.mat")):
-        done = rig_command("export", session, "--to", to, "--run", "run_0001", "--out", tmp_path / name)
+        done = rig_command(
+            "export", session, "--to", to, "--run", "run_0001", "--out", tmp_path / name
+        )
         assert done.returncode == 0, done.stderr
     with np.load(tmp_path / "r.npz", allow_pickle=False) as arrays:
         told = json.loads(str(arrays["channels"]))
         np.testing.assert_array_equal(arrays["data_1"], waves[1].samples)
-    assert (told[1]["name"], told[1]["unit_str"], told[1]["fs"]) == ("acceleration", "m/s^2", 10240.0)
+    assert (told[1]["name"], told[1]["unit_str"], told[1]["fs"]) == (
+        "acceleration",
+        "m/s^2",
+        10240.0,
+    )
     rows = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
-    np.testing.assert_array_equal(rows.T, np.stack([wave.samples for wave in waves]))  # 17 digits: bit for bit
+    np.testing.assert_array_equal(
+        rows.T, np.stack([wave.samples for wave in waves])
+    )  # 17 digits: bit for bit
     beside = json.loads((tmp_path / "r.csv.json").read_text())
     assert beside["rate"] == 10240.0
     assert beside["channels"]["force"]["unit"] == "N"
@@ -130,9 +159,14 @@ def test_npz_csv_and_mat_hold_the_samples(
     assert values["fs"].item() == 10240.0
 
 
-def test_all_runs_go_to_a_folder_and_wrong_words_are_refused(rig_command: Rig, session: Path, tmp_path: Path) -> None:
+def test_all_runs_go_to_a_folder_and_wrong_words_are_refused(
+    rig_command: Rig, session: Path, tmp_path: Path
+) -> None:
     assert rig_command("export", session, "--to", "csv", "--out", tmp_path / "all").returncode == 0
-    assert sorted(path.name for path in (tmp_path / "all").iterdir()) == ["run_0001.csv", "run_0001.csv.json"]
+    assert sorted(path.name for path in (tmp_path / "all").iterdir()) == [
+        "run_0001.csv",
+        "run_0001.csv.json",
+    ]
     for words, found in (
         (("--to", "uff"), "did you mean 'uff58'"),
         (("--to", "csv", "--run", "7"), "run_0007"),
@@ -158,19 +192,34 @@ def as_uff(path: Path, t: np.ndarray, F: np.ndarray, a: np.ndarray) -> None:
     for node, (name, values) in enumerate((("F", F), ("a", a)), start=1):
         file.write_sets(
             {
-                "type": 58, "func_type": 1, "rsp_node": node, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1, "data": values,
-                "x": t, "id1": name, "rsp_ent_name": name, "ref_ent_name": "NONE", "abscissa_spacing": 1,
-                "ordinate_spec_data_type": 0, "abscissa_spec_data_type": 17, "orddenom_spec_data_type": 0, "binary": 1,
+                "type": 58,
+                "func_type": 1,
+                "rsp_node": node,
+                "rsp_dir": 1,
+                "ref_node": 1,
+                "ref_dir": 1,
+                "data": values,
+                "x": t,
+                "id1": name,
+                "rsp_ent_name": name,
+                "ref_ent_name": "NONE",
+                "abscissa_spacing": 1,
+                "ordinate_spec_data_type": 0,
+                "abscissa_spec_data_type": 17,
+                "orddenom_spec_data_type": 0,
+                "binary": 1,
             },
             mode="add",
-        )  # fmt: skip
+        )
 
 
 def as_tdms(path: Path, _t: np.ndarray, F: np.ndarray, a: np.ndarray) -> None:
     nptdms = pytest.importorskip("nptdms")
     with nptdms.TdmsWriter(path) as writer:
         for name, values in (("F", F), ("a", a)):
-            writer.write_segment([nptdms.ChannelObject("stand", name, values, {"wf_increment": 1 / 5120.0})])
+            writer.write_segment(
+                [nptdms.ChannelObject("stand", name, values, {"wf_increment": 1 / 5120.0})]
+            )
 
 
 def as_mat(path: Path, _t: np.ndarray, F: np.ndarray, a: np.ndarray) -> None:
@@ -209,13 +258,16 @@ def imported(folder: Path, file: Path, text: str) -> Any:
 
 
 @pytest.mark.parametrize("kind", MAKERS)
-def test_every_format_gives_the_energy_that_the_csv_gives(example: Path, tmp_path: Path, kind: str) -> None:
+def test_every_format_gives_the_energy_that_the_csv_gives(
+    example: Path, tmp_path: Path, kind: str
+) -> None:
     name, make, F, a, more = MAKERS[kind]
     make(tmp_path / name, *columns(example, "box_1.csv"))
     found = imported(tmp_path, tmp_path / name, MAP.format(F=F, a=a, more=more))
     csv = 'csv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
     same = imported(tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=csv))
-    # the time column's nine digits give the rate to 1e-10, and the codes hold 9e-10 of the largest value
+    # the time column's nine digits give the rate to 1e-10, and the codes hold 9e-10 of the largest
+    # value
     assert pytest.approx(same.W, rel=1e-6) == found.W
     assert found.cycles == same.cycles
 
@@ -223,7 +275,9 @@ def test_every_format_gives_the_energy_that_the_csv_gives(example: Path, tmp_pat
 def test_signs_units_volts_and_time_scales_are_undone(example: Path, tmp_path: Path) -> None:
     t, F, a = columns(example, "box_1.csv")
     plain = 'csv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
-    expected = imported(tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=plain))
+    expected = imported(
+        tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=plain)
+    )
     np.savetxt(tmp_path / "odd.txt", np.stack([1e3 * t, -2.25e-3 * F, 9.80665e3 * a], axis=1), delimiter="\t",
                header="made elsewhere\nms, V, mm/s2", fmt="%.12e")  # fmt: skip
     text = """\
@@ -238,7 +292,9 @@ settle: 0.5 s
     assert pytest.approx(expected.W, rel=1e-6) == imported(tmp_path, tmp_path / "odd.txt", text).W
 
 
-def test_the_walk_through_finds_the_energy_that_was_put_in(rig_command: Rig, example: Path, tmp_path: Path) -> None:
+def test_the_walk_through_finds_the_energy_that_was_put_in(
+    rig_command: Rig, example: Path, tmp_path: Path
+) -> None:
     """docs/your-own-data.md, with the energy from the closed form at the top of make_record.py."""
     done = rig_command("import", example, "--map", EXAMPLE / "map.yaml", "--out", tmp_path / "o")
     assert done.returncode == 0, done.stderr + done.stdout
@@ -247,7 +303,8 @@ def test_the_walk_through_finds_the_energy_that_was_put_in(rig_command: Rig, exa
     w, X = 2 * np.pi * 19.87, 4.0 / (2 * np.pi * 19.87) ** 2
     exact = np.pi * X**2 * (24.0 * w + 900.0)
     assert abs(box["W_exp"] - exact) < box["U_W_exp"]
-    # What noise alone leaves: force noise 0.05 N on X and acceleration noise 0.004 on |F|, over 3 x 17920 samples
+    # What noise alone leaves: force noise 0.05 N on X and acceleration noise 0.004 on |F|, over 3 x
+    # 17920 samples
     noise = np.pi / w**2 * np.sqrt(2 / (3 * 17920)) * np.hypot(4.0 * 0.05, 124.0 * 0.004)
     assert abs(box["W_exp"] - exact) < 4 * noise
     assert abs(empty["W_exp"]) < empty["W_detect"] + empty["U_W_exp"]
@@ -270,43 +327,63 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
             f"drive.frequency={row['frequency']}")  # fmt: skip
     condition = conditions(load_protocol("schema: rig/protocol/1\nname: x\n", sets=sets))[0]
     # between tabulated levels a power law: NUMERICAL_ERROR of the closed tier is 1e-3
-    assert row["W_T"] == pytest.approx(predict(condition, load_rig("default")).W_T, rel=5e-3)
+    assert row["W_T"] == pytest.approx(predict(condition, load_rig("paper")).W_T, rel=5e-3)
 
 
 @pytest.mark.parametrize("told", ["", ", acceleration: 6 m/s^2"])
-def test_a_distorted_record_is_predicted_at_its_fundamental(example: Path, tmp_path: Path, told: str) -> None:
-    """A third harmonic of 1.2 times the fundamental (4 m/s^2): sqrt(2) times its rms, 6.2, is no level of it."""
+def test_a_distorted_record_is_predicted_at_its_fundamental(
+    example: Path, tmp_path: Path, told: str
+) -> None:
+    """A third harmonic of 1.2 times the fundamental (4 m/s^2): sqrt(2) times its rms, 6.2, is no
+    level of it.
+    """
     t, F, a = columns(example, "box_1.csv")
     rows = np.stack([t, F, a + 1.2 * 4.0 / 9.80665 * np.sin(2 * np.pi * 3 * 19.87 * t)], axis=1)
     np.savetxt(tmp_path / "r.csv", rows, delimiter=";", header="t [s];F [N];a [g]", comments="")
     more = 'frequency: 19.87 Hz\ncsv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
     more += "scene: {grains: {diameter: 4 mm, fill: 85 %}}\n"
-    text = MAP.format(F='"F [N]"', a='"a [g]"', more=more).replace("{id: box}", "{id: box" + told + "}")
+    text = MAP.format(F='"F [N]"', a='"a [g]"', more=more).replace(
+        "{id: box}", "{id: box" + told + "}"
+    )
     level = imported(tmp_path, tmp_path / "r.csv", text).level
     assert level == pytest.approx(4.0, rel=1e-3)
     with open_session(tmp_path / "s.h5") as record:
         entry = record.document("prediction")["conditions"]["box"]
-        assert record.conditions["box"]["acceleration_set"] == (6.0 if told else pytest.approx(level, rel=1e-4))
+        assert record.conditions["box"]["acceleration_set"] == (
+            6.0 if told else pytest.approx(level, rel=1e-4)
+        )
     assert entry["acceleration"][len(entry["acceleration"]) // 2] == pytest.approx(level, rel=1e-4)
 
 
 @pytest.mark.parametrize("stated", [15.0, 18.5, 19.6, 20.2, 20.5, 21.0, 25.0, 30.0])
-def test_a_stated_frequency_that_is_not_the_records_is_refused(example: Path, tmp_path: Path, stated: float) -> None:
+def test_a_stated_frequency_that_is_not_the_records_is_refused(
+    example: Path, tmp_path: Path, stated: float
+) -> None:
     """The drive is at 19.87 Hz; beyond 1 % of what is stated nothing is written."""
     more = f'frequency: {stated} Hz\ncsv: {{delimiter: ";"}}\ntime: {{channel: "t [s]"}}\n'
-    with pytest.raises(AnalysisError, match=f"the drive is at 19.87 Hz, the mapping says {stated:g} Hz"):
+    with pytest.raises(
+        AnalysisError, match=f"the drive is at 19.87 Hz, the mapping says {stated:g} Hz"
+    ):
         imported(tmp_path, example / "box_1.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=more))
     assert not (tmp_path / "s.h5").exists()
 
 
 BAD_RECORDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
-    "not steady": (lambda rows: rows * np.array([1, 1, 1]) * (1 + rows[:, :1] * [0, 1, 1]), "not steady"),
-    "a gap in time": (lambda rows: np.delete(rows, slice(9000, 9050), axis=0), "time column is not even"),
-    "not a number": (lambda rows: np.where(np.arange(len(rows))[:, None] == 7000, [0.0, np.nan, 0.0], rows),
-                     "is not a number"),
+    "not steady": (
+        lambda rows: rows * np.array([1, 1, 1]) * (1 + rows[:, :1] * [0, 1, 1]),
+        "not steady",
+    ),
+    "a gap in time": (
+        lambda rows: np.delete(rows, slice(9000, 9050), axis=0),
+        "time column is not even",
+    ),
+    "not a number": (
+        lambda rows: np.where(np.arange(len(rows))[:, None] == 7000, [0.0, np.nan, 0.0], rows),
+        "is not a number",
+    ),
     "nothing moves": (lambda rows: rows * [1, 1, 0], "nothing moves"),
     "too short": (lambda rows: rows[:3000], "whole cycles"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", BAD_RECORDS)
@@ -318,7 +395,9 @@ def test_a_record_that_cannot_be_trusted_is_refused_with_its_reason(
     np.savetxt(tmp_path / "r.csv", rows, delimiter=";", header="t [s];F [N];a [g]", comments="")
     more = 'csv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
     (tmp_path / "map.yaml").write_text(MAP.format(F='"F [N]"', a='"a [g]"', more=more))
-    done = rig_command("import", tmp_path / "r.csv", "--map", tmp_path / "map.yaml", "--out", tmp_path / "o")
+    done = rig_command(
+        "import", tmp_path / "r.csv", "--map", tmp_path / "map.yaml", "--out", tmp_path / "o"
+    )
     assert done.returncode == 2
     assert words in done.stderr
     assert "Traceback" not in done.stderr
@@ -336,21 +415,42 @@ def test_a_clipped_record_is_flagged(example: Path, tmp_path: Path) -> None:
 
 
 BAD_MAPS = {
-    "unknown key": ("schema: rig/map/1\nname: x\nforce: {chanel: F}\nacceleration: {channel: a}\n",
-                    ":3: force.chanel", "did you mean 'channel'"),
+    "unknown key": (
+        "schema: rig/map/1\nname: x\nforce: {chanel: F}\nacceleration: {channel: a}\n",
+        ":3: force.chanel",
+        "did you mean 'channel'",
+    ),
     "volts without sensitivity": (
         "schema: rig/map/1\nname: x\nforce: {channel: F, unit: V}\nacceleration: {channel: a}\n",
-        ":3: force.sensitivity", "a sensitivity for V"),
-    "unit": ("schema: rig/map/1\nname: x\nforce: {channel: F}\nacceleration: {channel: a, unit: m/s}\n",
-             ":4: acceleration.unit", "m/s^2"),
-    "no force": ("schema: rig/map/1\nname: x\nacceleration: {channel: a}\n", "force", "an entry force"),
-    "sign": ("schema: rig/map/1\nname: x\nforce: {channel: F, sign: 0}\nacceleration: {channel: a}\n",
-             ":3: force.sign", "1 or -1"),
-    "schema": ("schema: rig/map/9\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\n", ":1: schema",
-               "rig/map/1"),
-    "runs": ("schema: rig/map/1\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\nruns: [{fil: b.csv}]\n",
-             ":5: runs[1].fil", "did you mean 'file'"),
-}  # fmt: skip
+        ":3: force.sensitivity",
+        "a sensitivity for V",
+    ),
+    "unit": (
+        "schema: rig/map/1\nname: x\nforce: {channel: F}\nacceleration: {channel: a, unit: m/s}\n",
+        ":4: acceleration.unit",
+        "m/s^2",
+    ),
+    "no force": (
+        "schema: rig/map/1\nname: x\nacceleration: {channel: a}\n",
+        "force",
+        "an entry force",
+    ),
+    "sign": (
+        "schema: rig/map/1\nname: x\nforce: {channel: F, sign: 0}\nacceleration: {channel: a}\n",
+        ":3: force.sign",
+        "1 or -1",
+    ),
+    "schema": (
+        "schema: rig/map/9\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\n",
+        ":1: schema",
+        "rig/map/1",
+    ),
+    "runs": (
+        "schema: rig/map/1\nname: x\nforce: {channel: F}\nacceleration: {channel: a}\nruns: [{fil: b.csv}]\n",
+        ":5: runs[1].fil",
+        "did you mean 'file'",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", BAD_MAPS)
@@ -374,7 +474,9 @@ def test_junk_is_a_sentence(tmp_path: Path, name: str, content: bytes) -> None:
         imported(tmp_path, tmp_path / name, MAP.format(F="F", a="a", more="rate: 5120 Hz\n"))
 
 
-def test_a_missing_reader_is_named_with_its_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_reader_is_named_with_its_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from daq.formats.wave import MissingReader
 
     monkeypatch.setitem(sys.modules, "nptdms", None)
@@ -395,7 +497,9 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path) -> None:
         imported(tmp_path, tmp_path / "x.h5", MAP.format(F="F", a="a", more="rate: 5120 Hz\n"))
 
 
-def test_an_export_round_trip_keeps_the_energy(session: Path, waves: tuple[Wave, ...], tmp_path: Path) -> None:
+def test_an_export_round_trip_keeps_the_energy(
+    session: Path, waves: tuple[Wave, ...], tmp_path: Path
+) -> None:
     pytest.importorskip("pyuff")
     write_uff58(tmp_path / "r.uff", "round trip", waves)
     text = "schema: rig/map/1\nname: x\nforce: {channel: force}\nacceleration: {channel: acceleration}\nsettle: 0.1 s\n"

@@ -1,4 +1,6 @@
-"""Exports go piece by piece: memory does not grow with the record (of half an hour: test_memory.py)."""
+"""Exports go piece by piece: memory does not grow with the record (of half an hour:
+test_memory.py).
+"""
 
 import os
 from collections.abc import Callable
@@ -39,7 +41,9 @@ def waves(size: int) -> tuple[Wave, ...]:
     """Two channels with a pole and a delay undone, which reads them several times over."""
     recorded = RecordedSignal(Sine(size), "run", "force")  # type: ignore[arg-type]
     signal = CorrectedSignal(recorded.read, size, (512.0, size - 512.0), 1 / RATE, (2.0,), 1e-5)
-    return tuple(Wave(name, name, "N", signal, RATE, "", "+x") for name in ("force", "acceleration"))
+    return tuple(
+        Wave(name, name, "N", signal, RATE, "", "+x") for name in ("force", "acceleration")
+    )
 
 
 def peak(to: str, size: int, path: Path) -> float:
@@ -68,7 +72,7 @@ def resident() -> int:
 @pytest.mark.skipif(not os.path.exists("/proc/self/clear_refs"), reason="looks into /proc")
 @pytest.mark.parametrize("to", sorted(WRITERS))
 def test_a_longer_export_takes_no_more_memory(to: str, tmp_path: Path) -> None:
-    """Where one channel is held whole, four times the samples are 24 FEW bytes more, 3 MB. Half of that is for the
-    allocator, which keeps a piece (0.5 MB) or two, however many go by."""
+    """Where one channel is held whole, four times the samples are 24 FEW bytes more, 3 MB. Half of
+    that is for the allocator, which keeps a piece (0.5 MB) or two, however many go by."""
     short, long = (peak(to, times * FEW, tmp_path / "export") for times in (1, 4))
     assert long - short < 0.5 * 24 * FEW

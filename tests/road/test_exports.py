@@ -1,4 +1,6 @@
-"""What rig export writes reproduces the report: by a few lines of numpy, and through our own import."""
+"""What rig export writes reproduces the report: by a few lines of numpy, and through our own
+import.
+"""
 
 import json
 import os
@@ -34,11 +36,13 @@ GRIDS = {
     "gallery/clock": ("repeats=1",),
     "nulls": SHORT,
 }
-"""Of all shipped protocols these, on a short grid, are compared in every run of the tests; clock has ideal
-inputs, whose force may be exactly zero in a harmonic."""
+"""Of all shipped protocols these, on a short grid, are compared in every run of the tests; clock
+has ideal inputs, whose force may be exactly zero in a harmonic."""
 
 ANALYSED_WRONGLY = {"gallery/cycles", "gallery/offset"}
-"""Whose mistake is made in the analysis: the record is right, and so is what is found in it by hand."""
+"""Whose mistake is made in the analysis: the record is right, and so is what is found in it by
+hand.
+"""
 
 Pair = tuple[np.ndarray, np.ndarray]
 
@@ -74,10 +78,15 @@ READERS: dict[str, tuple[str, Callable[[Path], Pair]]] = {
 
 
 def by_hand(pair: Pair, beside: dict) -> tuple[float, float, float]:
-    """W (J per cycle), eta and M_eff (kg) of a record: the loop integral cycle by cycle, nothing of the project's."""
+    """W (J per cycle), eta and M_eff (kg) of a record: the loop integral cycle by cycle, nothing of
+    the project's.
+    """
     window, frequency = beside["window"], beside["condition"]["frequency"]
     points = round(window["samples_per_cycle"])
-    t = (window["start"] + np.arange(window["cycles"] * points) * window["samples_per_cycle"] / points) / beside["rate"]
+    t = (
+        window["start"]
+        + np.arange(window["cycles"] * points) * window["samples_per_cycle"] / points
+    ) / beside["rate"]
     own = np.arange(pair[0].size) / beside["rate"]
     F, a = (np.interp(t, own, values).reshape(window["cycles"], points) for values in pair)
     step = 1 / (frequency * points)
@@ -92,7 +101,11 @@ def by_hand(pair: Pair, beside: dict) -> tuple[float, float, float]:
 
 def recorded(name: str, sets: tuple[str, ...], folder: Path) -> dict:
     protocol = load_protocol(PROTOCOLS / f"{name}.yaml", sets=sets)
-    run(campaign_of(protocol, load_rig(protocol.rig), (PROTOCOLS / f"{name}.yaml").read_text()), folder, workers=1)
+    run(
+        campaign_of(protocol, load_rig(protocol.rig), (PROTOCOLS / f"{name}.yaml").read_text()),
+        folder,
+        workers=1,
+    )
     return json.loads((folder / "report.json").read_text())
 
 
@@ -108,11 +121,14 @@ def compare(name: str, sets: tuple[str, ...], folder: Path) -> int:
                 path = (folder / to / row["run"]).with_suffix(suffix)
                 beside = json.loads(path.with_name(path.name + ".json").read_text())
                 W, eta, M = by_hand(read(path), beside)
-                # U of one run's W: certificates and phase alone reach 1.6 % of it; .1 U of the condition is asked for
+                # U of one run's W: certificates and phase alone reach 1.6 % of it; .1 U of the
+                # condition is asked for
                 tenth = 0.1 * condition["U_W_exp"]
                 assert row["W_exp"] == pytest.approx(W, abs=tenth), (name, to, row["run"])
                 assert condition["M_eff"] == pytest.approx(M, rel=1e-4), (name, to, row["run"])
-                assert condition["eta"] == pytest.approx(eta, rel=0.1 * condition["U_W_exp"] / W, abs=1e-6)
+                assert condition["eta"] == pytest.approx(
+                    eta, rel=0.1 * condition["U_W_exp"] / W, abs=1e-6
+                )
                 compared += 1
     return compared
 
@@ -156,25 +172,34 @@ def locked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_our_import_takes_what_stands_beside_an_export(
     to: str, raw: bool, locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Corrected or raw: the mapping names channels only; rate, W, its U and the certificates are the session's."""
+    """Corrected or raw: the mapping names channels only; rate, W, its U and the certificates are
+    the session's.
+    """
     export_session(locked, to, "1", tmp_path / f"r{READERS[to][0]}", raw, True)
     capsys.readouterr()
     force, acceleration = NAMES[to]
     mapping = f"force: {{channel: '{force}'}}\nacceleration: {{channel: '{acceleration}'}}\n"
-    back = imported(tmp_path / f"r{READERS[to][0]}", mapping, tmp_path / "again.h5")["conditions"][0]
+    back = imported(tmp_path / f"r{READERS[to][0]}", mapping, tmp_path / "again.h5")["conditions"][
+        0
+    ]
     before = json.loads((locked / "report.json").read_text())["conditions"][0]
-    # eight cycles of 24-bit codes, written again as 31-bit ones; the frequency is found anew, to 1e-9
+    # eight cycles of 24-bit codes, written again as 31-bit ones; the frequency is found anew, to
+    # 1e-9
     tenth = 0.1 * before["U_W_exp"]
     assert back["W_exp"] == pytest.approx(before["W_exp"], abs=tenth)
     assert back["M_eff"] == pytest.approx(before["M_eff"], rel=1e-4)
     assert back["U_W_exp"] == pytest.approx(before["U_W_exp"], rel=0.15)
 
 
-def test_no_correction_is_made_twice(locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_correction_is_made_twice(
+    locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     export_session(locked, "csv", "1", tmp_path / "r.csv", False, True)
     capsys.readouterr()
     for more in ("time_constant: 0.5 s", "delay: 20 us"):
-        mapping = f"force: {{channel: '1'}}\nacceleration: {{channel: '2', {more}}}\nrate: 10240 Hz\n"
+        mapping = (
+            f"force: {{channel: '1'}}\nacceleration: {{channel: '2', {more}}}\nrate: 10240 Hz\n"
+        )
         with pytest.raises(InputError, match="undone already"):
             imported(tmp_path / "r.csv", mapping, tmp_path / "again.h5")
 
@@ -186,7 +211,9 @@ def test_flags_beside_the_record_come_back_and_damage_is_a_sentence(
     capsys.readouterr()
     mapping = "force: {channel: '1'}\nacceleration: {channel: '2'}\nrate: 10240 Hz\n"
     beside = json.loads((tmp_path / "r.csv.json").read_text())
-    assert beside["flags"] == [] or all(block["start"] < beside["window"]["start"] for block in beside["flags"])
+    assert beside["flags"] == [] or all(
+        block["start"] < beside["window"]["start"] for block in beside["flags"]
+    )
     beside["flags"] = [{"start": 5 * 512, "count": 3, "flags": {"force": int(Flag.OVERLOAD_HI)}}]
     (tmp_path / "r.csv.json").write_text(json.dumps(beside))
     back = imported(tmp_path / "r.csv", mapping, tmp_path / "again.h5")
@@ -197,7 +224,9 @@ def test_flags_beside_the_record_come_back_and_damage_is_a_sentence(
             imported(tmp_path / "r.csv", mapping, tmp_path / "other.h5")
 
 
-def test_no_export_costs_the_user_a_file(locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_export_costs_the_user_a_file(
+    locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The session, a link to it, a report, and what would stand beside the file."""
     folder = tmp_path / "s"
     shutil.copytree(locked, folder)
@@ -222,7 +251,9 @@ def test_no_export_costs_the_user_a_file(locked: Path, tmp_path: Path, capsys: p
 def test_what_stands_beside_one_file_never_speaks_for_another(
     locked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Raw CSV and corrected UFF58 in one folder; then other samples under the old name, as a kill would leave them."""
+    """Raw CSV and corrected UFF58 in one folder; then other samples under the old name, as a kill
+    would leave them.
+    """
     export_session(locked, "csv", None, tmp_path, True, True)
     export_session(locked, "uff58", None, tmp_path, False, True)
     export_session(locked, "csv", "1", tmp_path / "other.csv", False, True)

@@ -1,4 +1,5 @@
-"""Every fault on the whole road: how it is found, and what the analysis does: refuses, flags, or is right all the same.
+"""Every fault on the whole road: how it is found, and what the analysis does: refuses, flags, or is
+right all the same.
 
 The faults of a session sit in the second of two repeats, so that the first shows what is healthy.
 """
@@ -46,7 +47,9 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("fault", "why", "sets"), REFUSED)
-def test_samples_that_mean_nothing_are_refused(tmp_path: Path, fault: str, why: str, sets: tuple[str, ...]) -> None:
+def test_samples_that_mean_nothing_are_refused(
+    tmp_path: Path, fault: str, why: str, sets: tuple[str, ...]
+) -> None:
     found = report(tmp_path, fault, *sets)
     assert sorted(runs(found)) == [("layers", 1), ("locked", 1)]
     assert len(found["left_out"]) == 2
@@ -57,13 +60,33 @@ def test_samples_that_mean_nothing_are_refused(tmp_path: Path, fault: str, why: 
 
 FLAGGED = [
     ("cable_open, channel: force, start: 40", "gain_step_force", ("locked", "layers")),
-    ("gain_step, channel: acceleration, start: 30, size: 1 %", "gain_step_acceleration", ("locked", "layers")),
+    (
+        "gain_step, channel: acceleration, start: 30, size: 1 %",
+        "gain_step_acceleration",
+        ("locked", "layers"),
+    ),
     ("gain_step, channel: force, start: 30, size: 1 %", "gain_step_force", ("locked",)),
-    ("clock_slip, channel: acceleration, start: 30, size: 1", "clock_slip_acceleration", ("locked", "layers")),
+    (
+        "clock_slip, channel: acceleration, start: 30, size: 1",
+        "clock_slip_acceleration",
+        ("locked", "layers"),
+    ),
     ("clock_slip, channel: force, start: 30, size: 1", "clock_slip_force", ("locked",)),
-    ("noise, channel: acceleration, start: 0, size: 0.1 %", "noisy_acceleration", ("locked", "layers")),
-    ("noise, channel: force, start: 30, duration: 10, size: 2 %", "noisy_force", ("locked", "layers")),
-    ("spike, channel: acceleration, start: 30, size: 5 %", "spike_acceleration", ("locked", "layers")),
+    (
+        "noise, channel: acceleration, start: 0, size: 0.1 %",
+        "noisy_acceleration",
+        ("locked", "layers"),
+    ),
+    (
+        "noise, channel: force, start: 30, duration: 10, size: 2 %",
+        "noisy_force",
+        ("locked", "layers"),
+    ),
+    (
+        "spike, channel: acceleration, start: 30, size: 5 %",
+        "spike_acceleration",
+        ("locked", "layers"),
+    ),
     ("spike, channel: force, start: 30, size: 5 %", "spike_force", ("locked",)),
     ("bias, channel: acceleration, start: 30, size: 200 %", "overload_hi", ("locked", "layers")),
 ]
@@ -73,7 +96,9 @@ FLAGGED = [
 def test_what_changes_is_flagged_and_fails_the_session(
     tmp_path: Path, fault: str, flag: str, beds: tuple[str, ...]
 ) -> None:
-    """In the locked bed always; among the impacts of a bed that moves only where they do not hide it."""
+    """In the locked bed always; among the impacts of a bed that moves only where they do not hide
+    it.
+    """
     found = report(tmp_path, fault)
     for (bed, repeat), entry in runs(found).items():
         if repeat == 1:
@@ -94,16 +119,22 @@ def test_what_changes_is_flagged_and_fails_the_session(
     ],
 )
 def test_an_offset_is_flagged_and_does_no_harm(tmp_path: Path, fault: str, flag: str) -> None:
-    """Means are taken off cycle by cycle: what is left of a step is one cycle's share, b 2X / 40 at most, and of a
-    drift d (over all 40 cycles) d 2X / 40 / pi, X = a/w^2 being the travel: for the force 44 N (1 % of 10 V)."""
+    """Means are taken off cycle by cycle: what is left of a step is one cycle's share, b 2X / 40 at
+    most, and of a drift d (over all 40 cycles) d 2X / 40 / pi, X = a/w^2 being the travel: for the
+    force 44 N (1 % of 10 V)."""
     found = report(tmp_path, fault)
     travel = 3.0 / (2 * 3.141592653589793 * 20.0) ** 2
     for bed in ("locked", "layers"):
         good, bad = (runs(found)[bed, repeat] for repeat in (1, 2))
         assert flag in bad["flags"]
         force, acceleration = 0.1 / 2.248e-3, 0.01 / 0.0102
-        at_most = 2 * travel * force / 40 if "force" in flag else good["W_exp"] * 0 + acceleration * 2 * 60 / 1e3
-        # and the servo's own scatter of level, 0.3 % per run, in an energy that grows as a^2 to a^4
+        at_most = (
+            2 * travel * force / 40
+            if "force" in flag
+            else good["W_exp"] * 0 + acceleration * 2 * 60 / 1e3
+        )
+        # and the waveform controller's own scatter of level, 0.3 % per run, in an energy that grows
+        # as a^2 to a^4
         assert abs(bad["W_exp"] - good["W_exp"]) <= at_most + 0.04 * abs(good["W_exp"])
     assert found["verdict"] == "passes"
 
@@ -118,32 +149,46 @@ HIDDEN = [
 
 
 @pytest.mark.parametrize(("fault", "beds"), HIDDEN)
-def test_what_nothing_tells_is_small_or_old_or_among_impacts(tmp_path: Path, fault: str, beds: tuple[str, ...]) -> None:
-    """docs/acquisition.md lists these: they pass this check. A record alone cannot know a gain that was wrong all
-    along; the null tests are there for a lag that was."""
+def test_what_nothing_tells_is_small_or_old_or_among_impacts(
+    tmp_path: Path, fault: str, beds: tuple[str, ...]
+) -> None:
+    """docs/acquisition.md lists these: they pass this check. A record alone cannot know a gain that
+    was wrong all along; the null tests are there for a lag that was."""
     found = report(tmp_path, fault)
     assert all(entry["flags"] == [] for (bed, _), entry in runs(found).items() if bed in beds)
 
 
 def test_a_gap_is_tolerated_where_asked_and_nothing_is_joined_over_it(tmp_path: Path) -> None:
-    """Blocks of 16384 samples, 32 cycles: a gap in the first one of the record leaves the whole cycles of the second.
-    Their energy is that of the same cycles without the fault, to the last bit of the arithmetic."""
+    """Blocks of 16384 samples, 32 cycles: a gap in the first one of the record leaves the whole
+    cycles of the second. Their energy is that of the same cycles without the fault, to the last bit
+    of the arithmetic."""
     faulty, healthy = tmp_path / "faulty", tmp_path / "healthy"
     report(faulty, "dropout, channel: force, start: 30, duration: 0.5", "acquire.record=80 cycles")
     protocol = load_protocol(TEXT, ["acquire.record=80 cycles"])
     run(campaign_of(protocol, load_rig(protocol.rig), TEXT), healthy, workers=1)
-    with open_session(faulty / "session.h5") as record, open_session(healthy / "session.h5") as whole:
+    with (
+        open_session(faulty / "session.h5") as record,
+        open_session(healthy / "session.h5") as whole,
+    ):
         for info in record.runs:
             if info.repeat == 1:
                 continue
             with pytest.raises(AnalysisError, match="gap"):
                 run_energy(record, info.name)
-            found, known = run_energy(record, info.name, tolerate_gaps=True), run_energy(whole, info.name)
-            assert found.energy.cycles == 48  # 80 less the 32 of the block, which begins where the window does
+            found, known = (
+                run_energy(record, info.name, tolerate_gaps=True),
+                run_energy(whole, info.name),
+            )
+            assert (
+                found.energy.cycles == 48
+            )  # 80 less the 32 of the block, which begins where the window does
             assert found.energy.W_cycles == pytest.approx(known.energy.W_cycles[-48:], rel=1e-4)
             assert "gap" in found.flags
             assert found.ledger is not None
-            lost = sum(found.ledger[name] for name in ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "dKE_bed"))
+            lost = sum(
+                found.ledger[name]
+                for name in ("W_f", "W_c", "W_viscous", "W_noise", "W_air", "dKE_bed")
+            )
             assert abs(found.energy.W - lost) < 0.05 * lost
         assert len(read_session(record).document()["left_out"]) == 2
         again = read_session(record, tolerate_gaps=True).document()

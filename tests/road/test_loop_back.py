@@ -1,4 +1,6 @@
-"""The loop-back: one voltage at both inputs tells the analyzer's own angle and gain, and nothing of the sensors."""
+"""The loop-back: one voltage at both inputs tells the analyzer's own angle and gain, and nothing of
+the sensors.
+"""
 
 import math
 from pathlib import Path
@@ -34,7 +36,9 @@ def test_a_drawn_skew_and_gain_are_found(tmp_path: Path, seed: int) -> None:
     (null,) = report["nulls"]
     skew = actual["acceleration"]["skew"] - actual["force"]["skew"]
     assert null["dphi"] == pytest.approx(2 * math.pi * 20 * skew, abs=MEASURED)
-    assert null["gain"] == pytest.approx(actual["force"]["gain"] / actual["acceleration"]["gain"] - 1, abs=2e-4)
+    assert null["gain"] == pytest.approx(
+        actual["force"]["gain"] / actual["acceleration"]["gain"] - 1, abs=2e-4
+    )
     assert null["verdict"] == "holds"
     assert null["U_gain"] == pytest.approx(1.96 * 0.003 * math.sqrt(2 / 3), rel=0.03)
     assert report["conditions"] == []  # nothing of it is an energy
@@ -42,7 +46,9 @@ def test_a_drawn_skew_and_gain_are_found(tmp_path: Path, seed: int) -> None:
 
 
 def test_corners_that_differ_are_found(tmp_path: Path) -> None:
-    """Two 0.5 Hz corners, each off by up to 10 %, certified ones undone: atan(f_a/f) - atan(f_F/f) is left."""
+    """Two 0.5 Hz corners, each off by up to 10 %, certified ones undone: atan(f_a/f) - atan(f_F/f)
+    is left.
+    """
     coupling = ("acquire.coupling={force: AC, acceleration: IEPE}", "acquire.settle=60")
     report, actual = told(tmp_path, *coupling)
     (null,) = report["nulls"]
@@ -55,16 +61,17 @@ def test_corners_that_differ_are_found(tmp_path: Path) -> None:
 def test_ideal_inputs_are_equal(tmp_path: Path) -> None:
     report, _ = told(tmp_path, *IDEAL)
     (null,) = report["nulls"]
-    # Rounding to 24 bits repeats every 512 samples: 0.29 codes of 1.2 uV in 0.5 V, times sqrt(2/512); 10 of these
+    # Rounding to 24 bits repeats every 512 samples: 0.29 codes of 1.2 uV in 0.5 V, times
+    # sqrt(2/512); 10 of these
     assert abs(null["dphi"]) < 5e-7
     assert abs(null["gain"]) < 5e-7
     assert null["verdict"] == "holds"
 
 
 def test_a_late_channel_does_not_hold(tmp_path: Path) -> None:
-    """A sample, 98 us: 12 mrad at 20 Hz, four hundred times what the certificates of a real analyzer allow. The
-    acceleration comes late, so that its lead is negative."""
-    report, _ = told(tmp_path, "mistake={skew: 1}", *IDEAL[:2])
+    """A sample, 98 us: 12 mrad at 20 Hz, four hundred times what the certificates of a real
+    analyzer allow. The acceleration comes late, so that its lead is negative."""
+    report, _ = told(tmp_path, "deliberate_error={skew: 1}", *IDEAL[:2])
     (null,) = report["nulls"]
     assert null["dphi"] == pytest.approx(-2 * math.pi * 20 / 10240, abs=MEASURED)
     assert null["verdict"] == "does not hold"
@@ -75,7 +82,9 @@ def test_a_late_channel_does_not_hold(tmp_path: Path) -> None:
 def test_it_goes_through_a_replay(tmp_path: Path) -> None:
     report, _ = told(tmp_path / "a")
     assert replay(tmp_path / "a" / "session.h5", tmp_path / "b").document() == report
-    assert (tmp_path / "a" / "report.json").read_bytes() == (tmp_path / "b" / "report.json").read_bytes()
+    assert (tmp_path / "a" / "report.json").read_bytes() == (
+        tmp_path / "b" / "report.json"
+    ).read_bytes()
 
 
 def test_coverage_of_the_certificates() -> None:
@@ -84,9 +93,14 @@ def test_coverage_of_the_certificates() -> None:
     protocol = load_protocol(SMALL, sets=ONE)
     channels = {
         info.name: info
-        for info in campaign_of(protocol, load_rig(protocol.rig), SMALL).instruments.table(10240.0, 39.0)
+        for info in campaign_of(protocol, load_rig(protocol.rig), SMALL).instruments.table(
+            10240.0, 39.0
+        )
     }
     allowed = loop_back_nulls([LoopBack("r", 20.0, 0.0, 0.0, 1e-7)], channels)[0].dphi
     assert allowed is not None
     skew = 2 * math.pi * 20 * channels["force"].skew_tolerance
-    assert pytest.approx(1.96 * math.hypot(skew * math.sqrt(2 / 3), 5e-6 * math.sqrt(2)), rel=0.01) == allowed.U
+    assert (
+        pytest.approx(1.96 * math.hypot(skew * math.sqrt(2 / 3), 5e-6 * math.sqrt(2)), rel=0.01)
+        == allowed.U
+    )

@@ -1,8 +1,10 @@
-"""What U of the apparent mass and of the loss factor holds: sessions that differ in their instruments and noise alone,
-against what ideal instruments read of the same motion and the same filling, driven by the same clock (50 ppm of the
-frequency change what rows without a period take by 0.2 %).
+"""What U of the apparent mass and of the loss factor holds: sessions that differ in their
+instruments and noise alone, against what ideal instruments read of the same motion and the same
+filling, driven by the same clock (50 ppm of the frequency change what rows without a period take by
+0.2 %).
 
-`PYTHONPATH=.:tests/road python tests/road/test_mass_and_loss.py 2000` prints the shares and the mean relative u."""
+`PYTHONPATH=.:tests/road python tests/road/test_mass_and_loss.py 2000` prints the shares and the
+mean relative u."""
 
 import sys
 from dataclasses import replace
@@ -30,18 +32,26 @@ TWO = "drive.acceleration: [1.5, 4]"
 PLANS = {
     "grains": TEXT.format(scene=GRAINS, vary=TWO, settle=4, repeats=1, more=""),
     "grains, AC and IEPE": TEXT.format(
-        scene=GRAINS, vary=TWO, settle=20, repeats=1,
+        scene=GRAINS,
+        vary=TWO,
+        settle=20,
+        repeats=1,
         more=", coupling: {force: IEPE, acceleration: AC}, effects: [linearity, resonance, flicker]",
     ),
-    "rigid": TEXT.format(scene=LIGHT, vary=f"scene.bed: [empty, locked], {TWO}", settle=4, repeats=1, more=""),
+    "rigid": TEXT.format(
+        scene=LIGHT, vary=f"scene.bed: [empty, locked], {TWO}", settle=4, repeats=1, more=""
+    ),
     "rigid, four times": TEXT.format(
         scene=LIGHT, vary=f"scene.bed: [empty, locked], {TWO}", settle=4, repeats=4, more=""
     ),
-    "slug": TEXT.format(
-        scene=f"bed: slug, axis: vertical, losses: [], slug: {{restitution: 0}}, {LIGHT}", settle=10, repeats=1,
-        vary="drive.acceleration: [1.2 g, 3 g]", more="",
+    "single_mass": TEXT.format(
+        scene=f"bed: single_mass, axis: vertical, losses: [], single mass: {{restitution: 0}}, {LIGHT}",
+        settle=10,
+        repeats=1,
+        vary="drive.acceleration: [1.2 g, 3 g]",
+        more="",
     ),
-}  # fmt: skip
+}
 IDEAL = ("acquire.analyzer=ideal", "acquire.sensors={force: ideal, acceleration: ideal}")
 NAMES = ("M_eff", "eta")
 DC = ("acquire.coupling={force: DC, acceleration: DC}", "acquire.effects=[]")
@@ -54,7 +64,9 @@ def told(record: MemoryRecord) -> np.ndarray:
 
 
 def held(text: str, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of the sessions whose interval holds the truth, and mean U over the truth; (2, conditions) each."""
+    """Shares of the sessions whose interval holds the truth, and mean U over the truth; (2,
+    conditions) each.
+    """
     plan, ideal = Plan.of(text), Plan.of(text, (*IDEAL, *DC))
     exact = campaign_of(ideal.protocol, ideal.rig)
     inside, U = [], []
@@ -69,7 +81,7 @@ def held(text: str, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.mean(inside, axis=0), np.mean(U, axis=0)
 
 
-@pytest.mark.parametrize("name", ["grains", "slug"])
+@pytest.mark.parametrize("name", ["grains", "single_mass"])
 def test_U_holds(name: str) -> None:
     """Within the 99.9 % binomial band of 60 sessions. The slow twin has 93 to 97 % of 2000."""
     low, high = stats.binom.ppf([0.0005, 0.9995], 60, 0.95) / 60
@@ -88,7 +100,10 @@ def test_U_holds_in_93_to_97_of_100_sessions(name: str) -> None:
 def main(count: int, names: list[str]) -> None:
     for name in names or PLANS:
         for number, share, U in zip(NAMES, *held(PLANS[name], count), strict=True):
-            print(f"{name}, {number}: within U {np.round(100 * share, 1)} %, U {np.round(100 * U, 2)} %", flush=True)
+            print(
+                f"{name}, {number}: within U {np.round(100 * share, 1)} %, U {np.round(100 * U, 2)} %",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

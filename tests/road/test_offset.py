@@ -1,4 +1,6 @@
-"""The terms of an offset in whole sessions: zero where all is ideal, what ledger and ablation say where it is not."""
+"""The terms of an offset in whole sessions: zero where all is ideal, what ledger and ablation say
+where it is not.
+"""
 
 import json
 import math
@@ -51,23 +53,30 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Rows]:
 
     def conditions(*sets: str) -> Rows:
         if sets not in made:
-            made[sets] = run(campaign(*sets), tmp_path_factory.mktemp("offset"), workers=2).document()["conditions"]
+            made[sets] = run(
+                campaign(*sets), tmp_path_factory.mktemp("offset"), workers=2
+            ).document()["conditions"]
         return made[sets]
 
     return conditions
 
 
 def test_nothing_is_off_where_all_is_ideal(rows: Callable[..., Rows]) -> None:
-    """No losses, exact waveform, nominal bed, ideal instruments: W_exp is W_T. Rows are past their transients after 30
-    cycles; 1e-4 is what interval means and the reading of impacts leave (tests/physics/test_stand.py, 6e-5)."""
+    """No losses, exact waveform, nominal bed, ideal instruments: W_exp is W_T. Rows are past their
+    transients after 30 cycles; 1e-4 is what interval means and the reading of impacts leave
+    (tests/physics/test_stand.py, 6e-5)."""
     for row in rows(*STILL, "scene.losses=[]"):
         assert row["periodic_share"] == 1.0
         assert abs(row["offset"]) < 1e-4
         assert all(abs(term) < 1e-4 for term in row["offset_terms"].values())
 
 
-def test_switching_the_losses_on_adds_their_terms_and_nothing_else(rows: Callable[..., Rows]) -> None:
-    """Ablation: the same beds with and without losses differ by the ledger's terms (readings as above)."""
+def test_switching_the_losses_on_adds_their_terms_and_nothing_else(
+    rows: Callable[..., Rows],
+) -> None:
+    """Ablation: the same beds with and without losses differ by the ledger's terms (readings as
+    above).
+    """
     for on, off in zip(rows(*STILL), rows(*STILL, "scene.losses=[]"), strict=True):
         terms = on["offset_terms"]
         lost = math.fsum(terms[name] for name in ("noise", "air", "gas", "mount"))
@@ -77,14 +86,18 @@ def test_switching_the_losses_on_adds_their_terms_and_nothing_else(rows: Callabl
 
 
 def test_the_guide_takes_the_moving_weight(rows: Callable[..., Rows]) -> None:
-    """4 mu M g X of W_T; M_eff is not the moving mass where grains slip: mass of the box, gauge side and bed."""
-    rig, first = load_rig("default"), campaign(*STILL).conditions[0]
+    """4 mu M g X of W_T; M_eff is not the moving mass where grains slip: mass of the box, gauge
+    side and bed.
+    """
+    rig, first = load_rig("paper"), campaign(*STILL).conditions[0]
     box = 7850.0 * (0.16 * 0.16 * 0.41 - 0.15 * 0.15 * 0.4)
     for row in rows(*STILL):
         mass = box + rig.gauge_mass + row["bed_mass"]
         X = row["acceleration_set"] / (2 * math.pi * first.drive.frequency) ** 2
         expected = 4.0 * rig.guide_friction * mass * rig.gravity * X / row["W_T"]
-        assert row["offset_terms"]["mount"] == pytest.approx(expected, rel=1e-4)  # W_T at the measured level
+        assert row["offset_terms"]["mount"] == pytest.approx(
+            expected, rel=1e-4
+        )  # W_T at the measured level
 
 
 def test_real_instruments_leave_no_remainder(rows: Callable[..., Rows]) -> None:
@@ -97,16 +110,21 @@ def test_real_instruments_leave_no_remainder(rows: Callable[..., Rows]) -> None:
 
 
 def test_an_ablation_parts_the_waveform_from_the_refill(tmp_path: Path) -> None:
-    """Nominal beds in an imperfect waveform: what they take beyond W_T is the waveform's. With no ablation it stays in
-    the refill; either way the sum is the same, and so is every measured number."""
+    """Nominal beds in an imperfect waveform: what they take beyond W_T is the waveform's. With no
+    ablation it stays in the refill; either way the sum is the same, and so is every measured
+    number."""
     still = campaign("repeats.refill=false", "scene.losses=[]")
     still = replace(still, rig=replace(still.rig, level_error=0.0))
-    reports = [run(replace(still, ablate=ablate), tmp_path / str(ablate), workers=2) for ablate in (False, True)]
+    reports = [
+        run(replace(still, ablate=ablate), tmp_path / str(ablate), workers=2)
+        for ablate in (False, True)
+    ]
     for plain, parted in zip(*(report["conditions"] for report in reports), strict=True):
         whole, parts = plain["offset_terms"], parted["offset_terms"]
         assert whole["waveform"] == 0.0
         assert parts["waveform"] != 0.0
-        # the level is the set one, where W_T is tabulated; the clock is off by 5e-5, dlnW/dlnf is of order 1
+        # the level is the set one, where W_T is tabulated; the clock is off by 5e-5, dlnW/dlnf is
+        # of order 1
         assert abs(parts["refill"]) < 3e-4
         assert whole["refill"] == pytest.approx(parts["waveform"] + parts["refill"], abs=1e-12)
         assert plain["W_exp"] == parted["W_exp"]
@@ -130,15 +148,19 @@ def test_terms_need_truth_and_nothing_else_does(tmp_path: Path) -> None:
                 del file[name]["truth"]
     with open_session(tmp_path / "stripped.h5") as record:
         without = json.loads(json.dumps(read_session(record).document()))["conditions"]
-    fed = {"offset_terms", "E_n_chain", "dKE_bed"}
+    fed = {"offset_terms", "E_n_truth", "dKE_bed"}
     for one, other in zip(with_truth, without, strict=True):
         assert one["offset_terms"] is not None
         assert other["offset_terms"] is None
-        assert {k: v for k, v in one.items() if k not in fed} == {k: v for k, v in other.items() if k not in fed}
+        assert {k: v for k, v in one.items() if k not in fed} == {
+            k: v for k, v in other.items() if k not in fed
+        }
 
 
 def test_calibration_refuses_sensors_whose_null_fails() -> None:
-    """A pole at a third of its certified time constant turns 10 mrad at 20 Hz; the certificate allows a tenth of it."""
+    """A pole at a third of its certified time constant turns 10 mrad at 20 Hz; the certificate
+    allows a tenth of it.
+    """
     sound = campaign(*STILL[2:])
     assert calibrated(sound, 1.0, 1).loss_noise > 0.0
     force, acceleration = sound.instruments.states

@@ -1,4 +1,6 @@
-"""A deliberate phase error of 5 mrad is found by the locked bed, and told from guide friction by its growth with a."""
+"""A deliberate phase error of 5 mrad is found by the locked bed, and told from guide friction by
+its growth with a.
+"""
 
 import math
 from pathlib import Path
@@ -22,13 +24,14 @@ vary:
   drive.acceleration: [1 m/s^2, 2 m/s^2, 3 m/s^2, 4 m/s^2, 5 m/s^2]
 repeats: 2
 seed: 2015
-mistake: {pole: 0.5}
+deliberate_error: {pole: 0.5}
 """
 
 
 def test_five_milliradians_beside_guide_friction(tmp_path: Path) -> None:
-    """Half the certified time constant (1.6 s) turns the accelerometer by 5 mrad at 20 Hz. Guide friction on the bed's
-    weight is 4 mu M g X, as large as the energy of the angle near 1 m/s^2: taken for an angle it would be half off."""
+    """Half the certified time constant (1.6 s) turns the accelerometer by 5 mrad at 20 Hz. Guide
+    friction on the bed's weight is 4 mu M g X, as large as the energy of the angle near 1 m/s^2:
+    taken for an angle it would be half off."""
     protocol = load_protocol(TEXT)
     report = run(campaign_of(protocol, load_rig(protocol.rig), TEXT), tmp_path).document()
     omega = 2 * math.pi * 20.0

@@ -33,8 +33,8 @@ def test_the_named_protocols_are_there() -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_each_is_whole(path: Path) -> None:
-    """It says what is asked and what the paper says (a sweep states no energy to claim anything of), survives the file,
-    and every claim has all its conditions."""
+    """It says what is asked and what the paper says (a sweep states no energy to claim anything
+    of), survives the file, and every claim has all its conditions."""
     text = path.read_text()
     protocol = load_protocol(path)
     assert text.startswith("# ")
@@ -51,8 +51,12 @@ def test_each_is_whole(path: Path) -> None:
 
 
 def test_denser_grains_dissipate_more(tmp_path: Path) -> None:
-    """W goes as the density: 3.4, 7.9, 18.4; each step is a factor of 2.3 against a scatter of a tenth."""
-    report = report_of("density", tmp_path, *FEW, varies=("drive.acceleration=[1 m/s^2, 2 m/s^2, 3 m/s^2]",))
+    """W goes as the density: 3.4, 7.9, 18.4; each step is a factor of 2.3 against a scatter of a
+    tenth.
+    """
+    report = report_of(
+        "density", tmp_path, *FEW, varies=("drive.acceleration=[1 m/s^2, 2 m/s^2, 3 m/s^2]",)
+    )
     order, best, curve, *_ = report["claims"]
     assert (order["verdict"], best["verdict"], best["found"]) == ("holds", "holds", "heavy")
     assert {case["found"] for case in order["cases"]} == {"alumina < stainless < heavy"}
@@ -60,7 +64,9 @@ def test_denser_grains_dissipate_more(tmp_path: Path) -> None:
 
 
 def test_one_best_size_for_all_accelerations_is_contradicted(tmp_path: Path) -> None:
-    report = report_of("size_acceleration", tmp_path, *FEW, varies=("drive.acceleration=[2 m/s^2, 6 m/s^2]",))
+    report = report_of(
+        "size_acceleration", tmp_path, *FEW, varies=("drive.acceleration=[2 m/s^2, 6 m/s^2]",)
+    )
     (claim,) = report["claims"]
     assert claim["verdict"] == "does not hold"
     low, high = claim["cases"]
@@ -72,13 +78,20 @@ def test_one_best_size_for_all_accelerations_is_contradicted(tmp_path: Path) -> 
 
 
 def test_fill_and_the_empty_box(tmp_path: Path) -> None:
-    """Losses of the box stay when the grains are gone; without such losses the empty box is nearly zero."""
+    """Losses of the box stay when the grains are gone; without such losses the empty box is nearly
+    zero.
+    """
     fills = ("scene.grains.fill=[0, 30 %, 90 %, 100 %]",)
     lossy = report_of("fill_rate", tmp_path / "a", *FEW, varies=fills)
     bare = report_of("fill_rate", tmp_path / "b", *FEW, "scene.losses=[]", varies=fills)
     for report in (lossy, bare):
         best, _, rise, fall, *_ = report["claims"]
-        assert [best["found"], best["verdict"], rise["verdict"], fall["verdict"]] == ["0.90", "holds", "holds", "holds"]
+        assert [best["found"], best["verdict"], rise["verdict"], fall["verdict"]] == [
+            "0.90",
+            "holds",
+            "holds",
+            "holds",
+        ]
     assert lossy["claims"][4]["verdict"] == "does not hold"
     assert bare["claims"][4]["verdict"] == "holds"
 

@@ -16,14 +16,16 @@ from rig.catalog.rig_file import load_rig
 from rig.protocol.load import load_protocol
 
 IDEAL = (
-    "acquire.analyzer=ideal", "acquire.sensors={force: ideal, acceleration: ideal}", "drive.imperfection=none",
+    "acquire.analyzer=ideal",
+    "acquire.sensors={force: ideal, acceleration: ideal}",
+    "drive.imperfection=none",
     "repeats=1",
-)  # fmt: skip
+)
 
 
 EARLY = ("drive.acceleration=[2 m/s^2, 3 m/s^2]",)
-"""Levels at which all rows of the small protocol repeat themselves soon: at 4 m/s^2 some wander through the record and
-take 2 % more than in the end, where W_T is taken."""
+"""Levels at which all rows of the small protocol repeat themselves soon: at 4 m/s^2 some wander
+through the record and take 2 % more than in the end, where W_T is taken."""
 
 
 def report(out: Path, *sets: str, ablate: bool = True, varies: tuple[str, ...] = ()) -> dict:
@@ -33,12 +35,14 @@ def report(out: Path, *sets: str, ablate: bool = True, varies: tuple[str, ...] =
 
 
 def test_an_exact_sine_gives_the_sines_energy(tmp_path: Path) -> None:
-    """Within what averaging over 40 cycles costs: 0.5 % stated as standard uncertainty, so 2 %; and exactly on average
-    of a lot of rows (tests/physics)."""
+    """Within what averaging over 40 cycles costs: 0.5 % stated as standard uncertainty, so 2 %; and
+    exactly on average of a lot of rows (tests/physics)."""
     told = report(tmp_path, *IDEAL, varies=EARLY)
     for condition in told["conditions"]:
         assert condition["W_T_recorded"] == pytest.approx(condition["W_T"], rel=2e-2)
-    assert told["agreement"]["ratio_recorded"] == pytest.approx(told["agreement"]["ratio"], rel=2e-2)
+    assert told["agreement"]["ratio_recorded"] == pytest.approx(
+        told["agreement"]["ratio"], rel=2e-2
+    )
 
 
 def test_nominal_instruments_and_a_disturbed_waveform(tmp_path: Path) -> None:
@@ -59,10 +63,14 @@ def test_it_is_not_computed_where_nobody_asked(tmp_path: Path) -> None:
 
 
 def test_with_the_exciter_in_the_loop_the_ablation_is_not_known(tmp_path: Path) -> None:
-    """The exact waveform is one of prescribed motion alone: its column holds nan, the offset takes W_T_recorded."""
-    sets = ("drive.mode=coupled", "repeats=1", "scene.bed=layers", "acquire.record=6 cycles")
+    """The exact waveform is one of prescribed motion alone: its column holds nan, the offset takes
+    W_T_recorded.
+    """
+    sets = ("drive.mode=shaker", "repeats=1", "scene.bed=layers", "acquire.record=6 cycles")
     told = [report(tmp_path / str(ablate), *sets, ablate=ablate) for ablate in (False, True)]
-    assert [c["offset_terms"] for c in told[1]["conditions"]] == [c["offset_terms"] for c in told[0]["conditions"]]
+    assert [c["offset_terms"] for c in told[1]["conditions"]] == [
+        c["offset_terms"] for c in told[0]["conditions"]
+    ]
     assert all(c["offset_terms"] is not None for c in told[1]["conditions"])
 
 

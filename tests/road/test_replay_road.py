@@ -1,4 +1,6 @@
-"""`rig replay`: the same road gives the same codes and the same report, byte for byte, at any speed."""
+"""`rig replay`: the same road gives the same codes and the same report, byte for byte, at any
+speed.
+"""
 
 import json
 from pathlib import Path
@@ -22,7 +24,9 @@ REPORTS = ("report.json", "report.csv", "report.md", "report.html")
 
 
 def campaign(*sets: str) -> Campaign:
-    protocol = load_protocol(SMALL, sets=("drive.acceleration=4", "vary={scene.bed: [layers, locked]}", *sets))
+    protocol = load_protocol(
+        SMALL, sets=("drive.acceleration=4", "vary={scene.bed: [layers, locked]}", *sets)
+    )
     return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
@@ -38,16 +42,22 @@ def same_samples(one: Path, other: Path) -> None:
         assert a.runs == b.runs
         for info in a.runs:
             for channel in a.channels:
-                np.testing.assert_array_equal(a.codes(info.name, channel), b.codes(info.name, channel))
+                np.testing.assert_array_equal(
+                    a.codes(info.name, channel), b.codes(info.name, channel)
+                )
             np.testing.assert_array_equal(a.blocks(info.name), b.blocks(info.name))
             assert a.scalars(info.name) == b.scalars(info.name)
             assert a.truth is not None
             assert b.truth is not None
-            np.testing.assert_array_equal(a.truth.ledger(info.name)[1], b.truth.ledger(info.name)[1])
+            np.testing.assert_array_equal(
+                a.truth.ledger(info.name)[1], b.truth.ledger(info.name)[1]
+            )
 
 
 @pytest.mark.parametrize("speed", [None, 200.0])
-def test_codes_and_report_are_the_same_bytes(session: Path, tmp_path: Path, speed: float | None) -> None:
+def test_codes_and_report_are_the_same_bytes(
+    session: Path, tmp_path: Path, speed: float | None
+) -> None:
     replay(session / "session.h5", tmp_path, speed)
     same_samples(session, tmp_path)
     for name in REPORTS:
@@ -71,7 +81,10 @@ def test_without_a_folder_the_report_is_returned_and_nothing_written(session: Pa
 
 
 def test_an_incomplete_session_is_replayed_as_far_as_it_goes(session: Path, tmp_path: Path) -> None:
-    with open_session(session / "session.h5") as record, Recorder.create(tmp_path / "cut.h5", plan_of(record)) as part:
+    with (
+        open_session(session / "session.h5") as record,
+        Recorder.create(tmp_path / "cut.h5", plan_of(record)) as part,
+    ):
         first = min(record.runs, key=lambda info: info.order)
         from daq.chain.replay import Replayed
 
@@ -117,5 +130,7 @@ def test_every_block_waits_for_its_time(session: Path, monkeypatch: pytest.Monke
     replay(session / "session.h5", speed=3.0)
     with open_session(session / "session.h5") as record:
         runs = sorted(record.runs, key=lambda run: run.order)
-        ends = [(r.rate, 3.0, int(b["start"] + b["count"])) for r in runs for b in record.blocks(r.name)]
+        ends = [
+            (r.rate, 3.0, int(b["start"] + b["count"])) for r in runs for b in record.blocks(r.name)
+        ]
     assert waited == ends

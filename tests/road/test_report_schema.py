@@ -17,15 +17,25 @@ FEW = ("repeats=2", "acquire.record=20 cycles")
 
 
 def cases() -> dict[str, tuple[str | Path, tuple[str, ...], tuple[str, ...]]]:
-    """Protocol, values set and axes: nulls, claims, a mistake, a chosen fidelity, the exciter in the loop."""
+    """Protocol, values set and axes: nulls, claims, a mistake, a chosen fidelity, the exciter in
+    the loop.
+    """
     protocols = ROOT / "protocols"
     fills = ("scene.grains.fill=[0, 0.5, 0.9]", "drive.acceleration=[3, 5]")
     return {
         "small": (SMALL, (), ()),
         "claims": (protocols / "fill_rate.yaml", FEW, fills),
-        "mistake": (protocols / "gallery" / "skew.yaml", FEW, ()),
-        "fidelity": (SMALL, ("fidelity=auto", "tolerance=5 %"), ("scene.bed=[layers]", "drive.acceleration=[3]")),
-        "coupled": (SMALL, ("drive.mode=coupled", *FEW), ("scene.bed=[locked]", "drive.acceleration=[2]")),
+        "deliberate_error": (protocols / "gallery" / "skew.yaml", FEW, ()),
+        "fidelity": (
+            SMALL,
+            ("fidelity=auto", "tolerance=5 %"),
+            ("scene.bed=[layers]", "drive.acceleration=[3]"),
+        ),
+        "shaker": (
+            SMALL,
+            ("drive.mode=shaker", *FEW),
+            ("scene.bed=[locked]", "drive.acceleration=[2]"),
+        ),
     }
 
 
@@ -34,7 +44,9 @@ def test_a_report_fits(name: str, tmp_path: Path) -> None:
     source, sets, varies = cases()[name]
     run(load_protocol(source, sets, varies), tmp_path)
     report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    assert [error.message for error in Draft202012Validator(dict(report_schema())).iter_errors(report)] == []
+    assert [
+        error.message for error in Draft202012Validator(dict(report_schema())).iter_errors(report)
+    ] == []
     assert list(deviations(report, REPORT)) == []
     assert json.dumps(Report.of(report).document()) == json.dumps(report)
     del report["conditions"][0]["W_exp"]

@@ -1,4 +1,5 @@
-"""Files and places of strangers: what is no file, has no end, unpacks without end or says absurd things is a sentence.
+"""Files and places of strangers: what is no file, has no end, unpacks without end or says absurd
+things is a sentence.
 
 The commands run where the terminal knows ASCII alone, in a folder whose name no encoding has.
 """
@@ -34,11 +35,21 @@ from rig.importing.mapping import read_mapping
 NAME = "\udcff\udc80 ä力±"
 """A name that is no UTF-8, with a space and letters that a terminal may lack."""
 
-ASCII = {"PYTHONIOENCODING": "ascii:strict", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-MAP = (
-    "schema: rig/map/1\nname: lab\nforce: {channel: '1'}\nacceleration: {channel: '2'}\nrate: 10240 Hz\nsettle: 0.5 s\n"
+ASCII = {
+    "PYTHONIOENCODING": "ascii:strict",
+    "LC_ALL": "C",
+    "PYTHONUTF8": "0",
+    "PYTHONCOERCECLOCALE": "0",
+}
+MAP = "schema: rig/map/1\nname: lab\nforce: {channel: '1'}\nacceleration: {channel: '2'}\nrate: 10240 Hz\nsettle: 0.5 s\n"
+SETS = (
+    "--set",
+    "vary={scene.bed: [layers, locked]}",
+    "--set",
+    "acquire.settle=10",
+    "--set",
+    "acquire.record=8",
 )
-SETS = ("--set", "vary={scene.bed: [layers, locked]}", "--set", "acquire.settle=10", "--set", "acquire.record=8")
 
 LONG = "1" + "0" * 400
 """A whole number beyond every float."""
@@ -66,9 +77,19 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def bare_rig(place: Path) -> Iterator[Command]:
     program = [sys.executable, str(Path(__file__).parent / "many_commands.py")]
-    environment = {**os.environ, **ASCII, "PYTHONPATH": str(Path(__file__).parents[2]), "OPENBLAS_NUM_THREADS": "1"}
+    environment = {
+        **os.environ,
+        **ASCII,
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     with subprocess.Popen(
-        program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=place
+        program,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+        cwd=place,
     ) as running:
         assert running.stdin is not None
         assert running.stdout is not None
@@ -100,10 +121,21 @@ def rig(bare_rig: Command, session: Path) -> Command:
 
 
 WITH_A_PATH = (
-    "check P", "run P", "model P", "calibrate P --target 0.07 --out F/c.yaml", "check F/p.yaml --rig P",
-    "run F/p.yaml --rig P", "report P", "report F/s P", "info P", "info P --validate", "replay P", "export P --to csv",
-    "import P --map F/map.yaml --out F/i", "import F/r.csv --map P --out F/i",
-)  # fmt: skip
+    "check P",
+    "run P",
+    "model P",
+    "calibrate P --target 0.07 --out F/c.yaml",
+    "check F/p.yaml --rig P",
+    "run F/p.yaml --rig P",
+    "report P",
+    "report F/s P",
+    "info P",
+    "info P --validate",
+    "replay P",
+    "export P --to csv",
+    "import P --map F/map.yaml --out F/i",
+    "import F/r.csv --map P --out F/i",
+)
 SOME = ("check P", "info P", "import F/r.csv --map P --out F/i")
 SLOW = pytest.mark.slow
 WHAT = {"pipe": "a pipe", "socket": "a socket", "device": "a device", "folder": "a folder"}
@@ -118,11 +150,17 @@ def test_what_is_no_file_is_said_and_never_waited_for(
 ) -> None:
     (place / "r.csv").write_text("1,2\n")
     for words in commands:
-        found = rig(words.replace("P", f"F/{kind}", 1) if words != "report F/s P" else f"report F/s F/{kind}")
+        found = rig(
+            words.replace("P", f"F/{kind}", 1)
+            if words != "report F/s P"
+            else f"report F/s F/{kind}"
+        )
         assert (found["code"], found["out"]) == (2, ""), words
         assert found["err"].isascii()
         assert found["err"].count("\n") == 1
-        if words in ("check P", "import F/r.csv --map P --out F/i") or (kind != "folder" and words == "info P"):
+        if words in ("check P", "import F/r.csv --map P --out F/i") or (
+            kind != "folder" and words == "info P"
+        ):
             assert WHAT[kind] in found["err"]
 
 
@@ -135,7 +173,9 @@ def test_a_record_that_is_a_pipe(rig: Command, suffix: str) -> None:
 
 @pytest.mark.usefixtures("session")
 @pytest.mark.parametrize("damage", ["pipe", "cut", "nested", "no text"])
-def test_a_file_beside_a_record_that_cannot_be_read_is_refused(rig: Command, place: Path, damage: str) -> None:
+def test_a_file_beside_a_record_that_cannot_be_read_is_refused(
+    rig: Command, place: Path, damage: str
+) -> None:
     """It may say what is corrected in the record: without it a pole might be undone twice."""
     assert rig("export F/s --to csv --run 1 --out F/e.csv --force")["code"] == 0
     beside = place / "e.csv.json"
@@ -144,7 +184,11 @@ def test_a_file_beside_a_record_that_cannot_be_read_is_refused(rig: Command, pla
     if damage == "pipe":
         os.mkfifo(beside)
     else:
-        beside.write_bytes({"cut": text[: len(text) // 2], "nested": b"[" * 100_000, "no text": b"\xff\xfe"}[damage])
+        beside.write_bytes(
+            {"cut": text[: len(text) // 2], "nested": b"[" * 100_000, "no text": b"\xff\xfe"}[
+                damage
+            ]
+        )
     done = rig("import F/e.csv --map F/map.yaml --out F/imported")
     beside.unlink()
     assert done["code"] == 2
@@ -182,14 +226,31 @@ def test_what_is_no_file_is_not_replaced(rig: Command, place: Path, words: str, 
 @pytest.mark.parametrize(
     "words",
     [
-        "check F/p.yaml", "report F/s --out F/again", "info F/s --json", "export F/s --to mat --json", "--help",
-        *(pytest.param(words, marks=SLOW) for words in (
-            "model F/p.yaml", "report F/s F/s", "info F/s", "info F/s --validate", "replay F/s", "run --help",
-            "export F/s --to uff58", "init F/new.yaml", "schema --out F/schema.json", "catalog material",
-        )),
+        "check F/p.yaml",
+        "report F/s --out F/again",
+        "info F/s --json",
+        "export F/s --to mat --json",
+        "--help",
+        *(
+            pytest.param(words, marks=SLOW)
+            for words in (
+                "model F/p.yaml",
+                "report F/s F/s",
+                "info F/s",
+                "info F/s --validate",
+                "replay F/s",
+                "run --help",
+                "export F/s --to uff58",
+                "init F/new.yaml",
+                "schema --out F/schema.json",
+                "catalog material",
+            )
+        ),
     ],
-)  # fmt: skip
-def test_a_terminal_that_knows_ascii_and_a_path_that_no_encoding_has(rig: Command, words: str) -> None:
+)
+def test_a_terminal_that_knows_ascii_and_a_path_that_no_encoding_has(
+    rig: Command, words: str
+) -> None:
     found = rig(words)
     assert found["code"] in (0, 1), found["err"]
     assert (found["out"] + found["err"]).isascii()
@@ -197,34 +258,66 @@ def test_a_terminal_that_knows_ascii_and_a_path_that_no_encoding_has(rig: Comman
         json.loads(found["out"])
 
 
-@pytest.mark.parametrize("words", [
-    [NAME], ["check", NAME], ["check", "--" + NAME], ["check", "F/p.yaml", "--set", f"{NAME}=1"], ["catalog", NAME],
-    ["check", "F/p.yaml", "--set", f"name={NAME}"], ["check", "F/p.yaml", "--rig", NAME], ["run", "F/p.yaml", NAME],
-    ["report", NAME], ["export", "F/s", "--to", NAME], ["export", "F/s", "--to", "csv", "--run", NAME],
-    ["replay", "F/s", "--speed", NAME], ["model", "--study", NAME], ["schema", NAME],
-    ["run", "F/p.yaml", "--seed", NAME],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        [NAME],
+        ["check", NAME],
+        ["check", "--" + NAME],
+        ["check", "F/p.yaml", "--set", f"{NAME}=1"],
+        ["catalog", NAME],
+        ["check", "F/p.yaml", "--set", f"name={NAME}"],
+        ["check", "F/p.yaml", "--rig", NAME],
+        ["run", "F/p.yaml", NAME],
+        ["report", NAME],
+        ["export", "F/s", "--to", NAME],
+        ["export", "F/s", "--to", "csv", "--run", NAME],
+        ["replay", "F/s", "--speed", NAME],
+        ["model", "--study", NAME],
+        ["schema", NAME],
+        ["run", "F/p.yaml", "--seed", NAME],
+    ],
+)
 def test_words_that_no_encoding_has(rig: Command, words: list[str]) -> None:
     found = rig(words)
     assert found["code"] == 2
     assert found["err"].isascii()
 
 
-@pytest.mark.parametrize("words", [
-    "info F/s", "--help", "--version",
-    *(pytest.param(words, marks=SLOW) for words in (
-        "check F/p.yaml", "model F/p.yaml --json", "report F/s", "replay F/s", "export F/s --to csv", "catalog",
-    )),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info F/s",
+        "--help",
+        "--version",
+        *(
+            pytest.param(words, marks=SLOW)
+            for words in (
+                "check F/p.yaml",
+                "model F/p.yaml --json",
+                "report F/s",
+                "replay F/s",
+                "export F/s --to csv",
+                "catalog",
+            )
+        ),
+    ],
+)
 def test_a_full_disk_under_all_output_is_three(rig: Command, words: str) -> None:
     assert rig(words, stdout="/dev/full", stderr="/dev/full")["code"] == 3
 
 
-def test_a_full_disk_under_one_of_them_is_three_where_anything_was_to_be_written(rig: Command) -> None:
+def test_a_full_disk_under_one_of_them_is_three_where_anything_was_to_be_written(
+    rig: Command,
+) -> None:
     assert rig("info F/s", stdout="/dev/full")["code"] == 3
     assert rig("info F/s", stderr="/dev/full")["code"] == 0
     assert rig("export F/s --to csv", stderr="/dev/full")["code"] == 3  # its progress
-    for words in ("check F/nothing.yaml", "check --nonsense", "nonsense"):  # said or not, it is bad input
+    for words in (
+        "check F/nothing.yaml",
+        "check --nonsense",
+        "nonsense",
+    ):  # said or not, it is bad input
         assert rig(words, stderr="/dev/full")["code"] == 2
 
 
@@ -236,9 +329,19 @@ def test_a_limit_of_memory_is_called_one(megabytes: int, place: Path) -> None:
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     command = [sys.executable, "-c", program]
-    done = subprocess.run(command, cwd=place, capture_output=True, text=True, env=environment, timeout=300, check=False)
+    done = subprocess.run(
+        command,
+        cwd=place,
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=300,
+        check=False,
+    )
     assert done.returncode == 3
-    assert done.stderr.startswith(f"rig: too little memory: this process may use {megabytes} MB (ulimit -v)")
+    assert done.stderr.startswith(
+        f"rig: too little memory: this process may use {megabytes} MB (ulimit -v)"
+    )
 
 
 # Rates
@@ -255,9 +358,13 @@ def as_mat(path: Path, value: str) -> None:
 
 def as_tdms(path: Path, value: str) -> None:
     nptdms = pytest.importorskip("nptdms")
-    step = {"wf_increment": value if value.isalpha() and value not in ("nan", "inf") else float(value)}
+    step = {
+        "wf_increment": value if value.isalpha() and value not in ("nan", "inf") else float(value)
+    }
     with nptdms.TdmsWriter(path) as writer:
-        writer.write_segment([nptdms.ChannelObject("x", name, np.arange(100.0), step) for name in "Fa"])
+        writer.write_segment(
+            [nptdms.ChannelObject("x", name, np.arange(100.0), step) for name in "Fa"]
+        )
 
 
 def as_uff(path: Path, value: str) -> None:
@@ -282,12 +389,29 @@ class Held:
 
 ABSURD = ("0", "-1", "1e-12", "1e12", "nan", "inf")
 RATES: dict[str, tuple[str, Callable[[Path, str], None], tuple[str, ...]]] = {
-    "sep005": ("x.npz", as_npz, ("0", "-1", "NaN", "Infinity", "-Infinity", "1e999", "1e12", '"x"', "null", "true",
-                                 "[]", "{}", LONG)),
+    "sep005": (
+        "x.npz",
+        as_npz,
+        (
+            "0",
+            "-1",
+            "NaN",
+            "Infinity",
+            "-Infinity",
+            "1e999",
+            "1e12",
+            '"x"',
+            "null",
+            "true",
+            "[]",
+            "{}",
+            LONG,
+        ),
+    ),
     "mat": ("x.mat", as_mat, ABSURD),
     "tdms": ("x.tdms", as_tdms, ("-1", "1e-12", "1e12", "nan", "inf", "text")),
     "uff58": ("x.uff", as_uff, ABSURD),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("kind", RATES)
@@ -302,9 +426,15 @@ def test_a_rate_that_is_none_is_a_sentence(tmp_path: Path, kind: str) -> None:
         assert len(str(caught.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("value", ["0", "-1", "nan", ".nan", ".inf", "-.inf", "1e999", "x", "[]", "true", LONG])
-@pytest.mark.parametrize("field", ["rate", "frequency", "settle", "length", "condition: {density", "force: {noise"])
-def test_a_number_of_a_mapping_that_is_none_is_a_sentence(tmp_path: Path, field: str, value: str) -> None:
+@pytest.mark.parametrize(
+    "value", ["0", "-1", "nan", ".nan", ".inf", "-.inf", "1e999", "x", "[]", "true", LONG]
+)
+@pytest.mark.parametrize(
+    "field", ["rate", "frequency", "settle", "length", "condition: {density", "force: {noise"]
+)
+def test_a_number_of_a_mapping_that_is_none_is_a_sentence(
+    tmp_path: Path, field: str, value: str
+) -> None:
     if (field, value) in (("settle", "0"), ("force: {noise", "0")):
         return
     head = "schema: rig/map/1\nname: x\nacceleration: {channel: a}\n"
@@ -325,7 +455,9 @@ def test_a_rate_beside_an_export_that_is_none_is_a_sentence(tmp_path: Path, valu
 
 @pytest.mark.parametrize("value", ["0", "-1", "NaN", "Infinity", "1e300", '"x"', "[]", LONG])
 @pytest.mark.parametrize("owner", ["session", "run"])
-def test_a_rate_of_a_session_that_is_none_is_a_sentence(session: Path, tmp_path: Path, owner: str, value: str) -> None:
+def test_a_rate_of_a_session_that_is_none_is_a_sentence(
+    session: Path, tmp_path: Path, owner: str, value: str
+) -> None:
     path = tmp_path / "theirs.h5"
     path.write_bytes((session / "session.h5").read_bytes())
     with h5py.File(path, "r+", libver=("v110", "v110")) as file:
@@ -370,7 +502,9 @@ def mat73_bomb(path: Path) -> None:
 def chunk_bomb(path: Path) -> None:
     """One value, in a chunk of two million."""
     with h5py.File(path, "w") as file:
-        file.create_dataset("F", data=ZEROS[:1], maxshape=(None,), compression="gzip", chunks=(2**18,))
+        file.create_dataset(
+            "F", data=ZEROS[:1], maxshape=(None,), compression="gzip", chunks=(2**18,)
+        )
 
 
 BOMBS = {"npz": ("sep005", zip_bomb), "mat": ("mat", mat_bomb), "h5": ("hdf5", h5_bomb), "73.mat": ("mat", mat73_bomb),
@@ -381,7 +515,9 @@ BOMBS = {"npz": ("sep005", zip_bomb), "mat": ("mat", mat_bomb), "h5": ("hdf5", h
 def test_a_file_that_unpacks_to_far_more_than_a_record_does_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    """2 MiB of zeros in some kB, the floor lowered below them; at the floor as it is they are welcome."""
+    """2 MiB of zeros in some kB, the floor lowered below them; at the floor as it is they are
+    welcome.
+    """
     kind, make = BOMBS[name]
     path = tmp_path / f"x.{name}"
     make(path)
@@ -393,8 +529,12 @@ def test_a_file_that_unpacks_to_far_more_than_a_record_does_is_refused(
 
 
 @pytest.mark.parametrize("name", ["npz", "mat", "h5"])
-def test_a_measurement_packs_less_than_the_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """Sixteen bits of a sine with two of noise pack to a third or so: welcome at any size, so without a floor too."""
+def test_a_measurement_packs_less_than_the_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Sixteen bits of a sine with two of noise pack to a third or so: welcome at any size, so
+    without a floor too.
+    """
     noise = np.random.default_rng(1).integers(0, 4, ZEROS.size)
     record = np.round(20000 * np.sin(0.01 * np.arange(ZEROS.size))) + noise
     monkeypatch.setattr(sys.modules[__name__], "ZEROS", record)
@@ -426,14 +566,21 @@ class Streamed:
             given.append(weakref.ref(chunk))
             yield chunk
             del chunk
-            assert sum(one() is not None for one in given) <= 2  # one is written, one is in zip's own hands
+            assert (
+                sum(one() is not None for one in given) <= 2
+            )  # one is written, one is in zip's own hands
 
     def samples(self) -> np.ndarray:
         raise AssertionError("all samples at once")
 
 
 def test_csv_and_uff58_are_written_bit_by_bit(tmp_path: Path) -> None:
-    waves = [Wave("F", "force", "N", Streamed(), 1000.0), Wave("a", "acceleration", "m/s^2", Streamed(), 1000.0)]
+    waves = [
+        Wave("F", "force", "N", Streamed(), 1000.0),
+        Wave("a", "acceleration", "m/s^2", Streamed(), 1000.0),
+    ]
     write_csv(tmp_path / "x.csv", waves)
-    assert np.array_equal(np.loadtxt(tmp_path / "x.csv", skiprows=1, delimiter=",")[:, 1], np.arange(Streamed.size))
+    assert np.array_equal(
+        np.loadtxt(tmp_path / "x.csv", skiprows=1, delimiter=",")[:, 1], np.arange(Streamed.size)
+    )
     write_uff58(tmp_path / "x.uff", "x", waves)

@@ -1,4 +1,6 @@
-"""Text from strangers: in no output can it steer a terminal, hide, begin a line, be a formula or be markup."""
+"""Text from strangers: in no output can it steer a terminal, hide, begin a line, be a formula or be
+markup.
+"""
 
 import io
 import json
@@ -23,7 +25,12 @@ from rig.campaign.resolve import campaign_of
 from rig.campaign.runner import run
 from rig.catalog.rig_file import load_rig
 from rig.cli.commands.exchange import export_session
-from rig.cli.commands.sessions import compare_sessions, report_sessions, session_info, validate_session
+from rig.cli.commands.sessions import (
+    compare_sessions,
+    report_sessions,
+    session_info,
+    validate_session,
+)
 from rig.cli.terminal.tables import Terminal, table
 from rig.errors import InputError
 from rig.importing.mapping import read_mapping
@@ -39,10 +46,11 @@ ATTRIBUTES = ("model", "serial", "direction", "calibration_date", "coupling")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three conditions, two repeats, with claims and varied paths."""
     out = tmp_path_factory.mktemp("own") / "session"
-    text = (
-        f"{SMALL}question: question\nexpect: [{{claim: claim, rise: drive.acceleration, from: 2 m/s^2, to: 4 m/s^2}}]\n"
+    text = f"{SMALL}question: question\nexpect: [{{claim: claim, rise: drive.acceleration, from: 2 m/s^2, to: 4 m/s^2}}]\n"
+    sets = (
+        "vary={scene.bed: [layers, locked], drive.acceleration: [2 m/s^2, 4 m/s^2]}",
+        "repeats.n=2",
     )
-    sets = ("vary={scene.bed: [layers, locked], drive.acceleration: [2 m/s^2, 4 m/s^2]}", "repeats.n=2")
     protocol = load_protocol(text, sets=sets)
     run(campaign_of(protocol, load_rig(protocol.rig), text), out, workers=1)
     return out / "session.h5"
@@ -54,12 +62,24 @@ def told_by_strangers(session: Path, target: Path, texts: list[str]) -> None:
     with h5py.File(target, "r+", libver=("v110", "v110")) as file:
         ids = [condition["id"] for condition in json.loads(file["session/conditions"][()])]
         values = json.loads(file["session/rig"][()])["values"]
-        told = [value[key] for value in values[:9] for key in ("path", "unit", "status", "source") if value[key]]
+        told = [
+            value[key]
+            for value in values[:9]
+            for key in ("path", "unit", "status", "source")
+            if value[key]
+        ]
         free = dict.fromkeys([*ids, *FREE, *told])
         # ids stay different from each other
-        swap = {text: f"{texts[n % len(texts)]}{n if text in ids else ''}" for n, text in enumerate(free)}
+        swap = {
+            text: f"{texts[n % len(texts)]}{n if text in ids else ''}"
+            for n, text in enumerate(free)
+        }
         for owner in (file["session"], file["session/truth"]):
-            for name in [n for n in owner if isinstance(owner[n], h5py.Dataset) and owner[n].dtype.kind == "S"]:
+            for name in [
+                n
+                for n in owner
+                if isinstance(owner[n], h5py.Dataset) and owner[n].dtype.kind == "S"
+            ]:
                 if name in ("protocol_text", "scalars"):
                     continue
                 value = swapped(json.loads(owner[name][()]), swap, ids)
@@ -73,7 +93,9 @@ def told_by_strangers(session: Path, target: Path, texts: list[str]) -> None:
                 channel.attrs[name] = np.array(text.encode() or b"x")
 
 
-def outputs(session: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], list[int]]:
+def outputs(
+    session: Path, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> tuple[dict[str, Any], list[int]]:
     """Every command that reads a session: the shape of its files, and the lines that each printed."""
     lines = []
 
@@ -98,7 +120,10 @@ def outputs(session: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 @pytest.fixture
 def plain_outputs(
-    session: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    session: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> tuple[dict[str, Any], list[int]]:
     monkeypatch.setenv("COLUMNS", "3000")  # so that no table wraps
     target = tmp_path / "plain.h5"
@@ -108,9 +133,14 @@ def plain_outputs(
 
 @pytest.mark.slow
 def test_what_strangers_write_is_text_in_every_output(
-    session: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], plain_outputs: tuple[dict[str, Any], list[int]],
-) -> None:  # fmt: skip
-    """The outputs of a session full of hostile text are made of the same elements and lines as those of a tame one."""
+    session: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    plain_outputs: tuple[dict[str, Any], list[int]],
+) -> None:
+    """The outputs of a session full of hostile text are made of the same elements and lines as
+    those of a tame one.
+    """
     count = 0
 
     @settings(max_examples=12)
@@ -139,7 +169,12 @@ def test_a_string_is_one_line_of_a_terminal_and_no_markup(text: str) -> None:
 
 
 @settings(max_examples=30)
-@given(st.dictionaries(hostile, st.lists(hostile | st.integers() | st.none() | st.floats(allow_nan=False), max_size=3)))
+@given(
+    st.dictionaries(
+        hostile,
+        st.lists(hostile | st.integers() | st.none() | st.floats(allow_nan=False), max_size=3),
+    )
+)
 def test_json_reads_back_and_hides_nothing(value: Any) -> None:
     assert json.loads(json_text(value)) == value
     clean(json_text(value))
@@ -150,7 +185,9 @@ def test_numbers_stay_numbers_in_cells(value: float) -> None:
     assert cell_text(value) is value
 
 
-@pytest.mark.parametrize("name", ["", ".x", "..", "-x", "a/b", "a\\b", "a b", "\x1b[2J", "ä", "a\n", "session", "x|y"])
+@pytest.mark.parametrize(
+    "name", ["", ".x", "..", "-x", "a/b", "a\\b", "a b", "\x1b[2J", "ä", "a\n", "session", "x|y"]
+)
 def test_runs_are_named_so_that_files_can_be(session: Path, tmp_path: Path, name: str) -> None:
     target = tmp_path / "theirs.h5"
     shutil.copy(session, target)
@@ -168,7 +205,11 @@ def test_runs_are_named_so_that_files_can_be(session: Path, tmp_path: Path, name
 def test_a_mistake_is_one_line(text: str) -> None:
     quoted = json.dumps(f"{text}é")  # JSON's escapes are YAML's, in double quotes
     mistakes = []
-    for document in (f"schema: rig/protocol/1\nname: {quoted}\n", f"{quoted}: 1\n", f"x: &a {quoted}\n"):
+    for document in (
+        f"schema: rig/protocol/1\nname: {quoted}\n",
+        f"{quoted}: 1\n",
+        f"x: &a {quoted}\n",
+    ):
         with pytest.raises(InputError) as caught:
             load_protocol(document + "\n")
         mistakes += str(caught.value).splitlines()

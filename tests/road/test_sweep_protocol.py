@@ -1,4 +1,6 @@
-"""A sweep as a user writes it: what it shows is the exciter's frequency response; what does not fit it is refused."""
+"""A sweep as a user writes it: what it shows is the exciter's frequency response; what does not fit
+it is refused.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,7 +27,7 @@ SWEEP = """\
 schema: rig/protocol/1
 name: short
 scene: {grains: {material: stainless}, bed: empty, losses: []}
-drive: {mode: coupled, control: open, command: 2.5 %, amplifier: voltage, frequency: 9 Hz, sweep_to: 2.5 Hz}
+drive: {mode: shaker, control: open, command: 2.5 %, amplifier: voltage, frequency: 9 Hz, sweep_to: 2.5 Hz}
 acquire: {analyzer: ideal, samples_per_cycle: 1000, settle: 40 cycles, record: 200 cycles,
           sensors: {force: ideal, acceleration: ideal}}
 vary: {scene.bed: [empty, locked]}
@@ -35,8 +37,8 @@ seed: 3
 
 
 def test_a_cycle_of_a_chirp_has_the_phasor_that_went_in() -> None:
-    """Any sampling that resolves it: a harmonic and a mean do not leak in, up to the rectangle rule's edges (one sample
-    of a thousand in a cycle)."""
+    """Any sampling that resolves it: a harmonic and a mean do not leak in, up to the rectangle
+    rule's edges (one sample of a thousand in a cycle)."""
     rate, first, pace, cycles = 9000.0, 4.0, 0.25, 60
     time = np.arange(round(16 * rate)) / rate - 0.7
     turns = (first + 0.5 * pace * time) * time
@@ -55,11 +57,12 @@ def test_the_shift_of_a_parabola_is_its_curvature() -> None:
 
 
 def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
-    """Through the resonance of the mount, downwards: every point is off the exact response by no more than the
-    shift that the sweep states of itself and 0.5 % for what comes behind the curvature, the apparent mass is right. Not
-    at the end: under the locked bed the box meets its own resonance at 2.2 Hz, which the sweep does not see whole."""
+    """Through the resonance of the mount, downwards: every point is off the exact response by no
+    more than the shift that the sweep states of itself and 0.5 % for what comes behind the
+    curvature, the apparent mass is right. Not at the end: under the locked bed the box meets its
+    own resonance at 2.2 Hz, which the sweep does not see whole."""
     protocol = load_protocol(SWEEP)
-    campaign = campaign_of(protocol, load_rig("default"), SWEEP)
+    campaign = campaign_of(protocol, load_rig("paper"), SWEEP)
     rig = replace(campaign.rig, exciter=campaign.instruments.exciter)
     report = run(campaign, tmp_path)
     assert report.verdict == "passes"
@@ -74,16 +77,23 @@ def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
         volts = drive.command * rig.exciter.voltage_peak
         for name in ("force", "acceleration"):
             steady = volts * np.abs(getattr(exact, name))
-            off = np.abs(np.array(getattr(one, name)) - steady)[np.array(one.frequency) > 3.0].max() / steady.max()
+            off = (
+                np.abs(np.array(getattr(one, name)) - steady)[np.array(one.frequency) > 3.0].max()
+                / steady.max()
+            )
             assert off < getattr(one, f"shift_{name}") + 0.005, (name, condition.scene.bed)
-        assert np.median(one.M_eff) == pytest.approx(stand.plant.box + stand.bed.mass - stand.bed.bonded, rel=2e-3)
+        assert np.median(one.M_eff) == pytest.approx(
+            stand.plant.box + stand.bed.mass - stand.bed.bonded, rel=2e-3
+        )
         assert one.frequency[0] > 8.9
         assert one.frequency[-1] < 2.6
         assert one.rate == pytest.approx((6.25 - 81.0) / 400.0)
 
 
 def _told_truly(report: Report) -> None:
-    """Sweeps alone: no ideal waveform, no prediction, no verdict on an energy, and a truth that is there."""
+    """Sweeps alone: no ideal waveform, no prediction, no verdict on an energy, and a truth that is
+    there.
+    """
     assert report.waveform == "measured"
     assert {row.why for row in report.comparisons} == {"not made: no run states an energy"}
     assert "empty, locked" in wording.tested(report)
@@ -97,9 +107,11 @@ def _told_truly(report: Report) -> None:
 
 
 def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
-    """An amplifier that clips fails the session, and the flags say in which runs and how far beyond the limit."""
+    """An amplifier that clips fails the session, and the flags say in which runs and how far beyond
+    the limit.
+    """
     protocol = load_protocol(SWEEP, ["drive.command=95 %", "acquire.record=60 cycles"])
-    report = run(campaign_of(protocol, load_rig("default"), SWEEP), tmp_path)
+    report = run(campaign_of(protocol, load_rig("paper"), SWEEP), tmp_path)
     assert report.verdict == wording.verdict_line(report).lower() == "fails"
     flags = {row.flag: row for row in report.flags}
     assert {flag for one in report.sweeps for flag in one.flags} == set(flags)
@@ -112,7 +124,10 @@ def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
 
 def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
     protocol = load_protocol(SWEEP, ["acquire.record=60 cycles"])
-    assert check_protocol(campaign_of(protocol, load_rig("default"), SWEEP), strict=False, as_json=False) == 0
+    assert (
+        check_protocol(campaign_of(protocol, load_rig("paper"), SWEEP), strict=False, as_json=False)
+        == 0
+    )
     told = capsys.readouterr().out
     assert "W_T" not in told
     assert "No energy is stated for sweeps: c01, c02" in told
@@ -121,7 +136,7 @@ def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[
 def test_looking_ahead_sees_the_whole_sweep() -> None:
     """The largest force lies where the sweep passes, not where it begins."""
     protocol = load_protocol(SWEEP, ["drive.frequency=5 Hz", "drive.sweep_to=12 Hz"])
-    campaign = campaign_of(protocol, load_rig("default"), SWEEP)
+    campaign = campaign_of(protocol, load_rig("paper"), SWEEP)
     first = campaign.conditions[0]
     held = replace(first, drive=replace(first.drive, sweep_to=None))
     rate = campaign.lengths[first.id].rate
@@ -133,7 +148,7 @@ def test_looking_ahead_sees_the_whole_sweep() -> None:
 @pytest.mark.parametrize(
     ("setting", "field", "words"),
     [
-        ("drive.mode=servo", "drive.sweep_to", "servo"),
+        ("drive.mode=prescribed", "drive.sweep_to", "prescribed"),
         ("drive.control=level", "drive.sweep_to", "level control"),
         ("drive.sweep_to=9 Hz", "drive.sweep_to", "from the same"),
         ("acquire.record=10 cycles", "acquire.record", "10 cycles"),

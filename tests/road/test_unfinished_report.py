@@ -21,18 +21,28 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills a forked 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("unfinished") / "s"
-    sets = ("vary={scene.bed: [empty, locked], drive.acceleration: [2, 3]}", "acquire.settle=4", "acquire.record=6")
+    sets = (
+        "vary={scene.bed: [empty, locked], drive.acceleration: [2, 3]}",
+        "acquire.settle=4",
+        "acquire.record=6",
+    )
     run(load_protocol(SMALL, sets=(*sets, "repeats=1")), folder, workers=1)
     return folder
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    names = (path for path in folder.rglob("*") if path.is_file() and path.suffix not in (".h5", ".part", ".lock"))
+    names = (
+        path
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix not in (".h5", ".part", ".lock")
+    )
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in names}
 
 
 def killed_at_move(session: Path, move: int) -> None:
-    """Another report of the session is written by a process that SIGKILL ends before its `move`-th move."""
+    """Another report of the session is written by a process that SIGKILL ends before its `move`-th
+    move.
+    """
     child = os.fork()
     if not child:
         moves = iter(range(move + 1))
@@ -49,7 +59,9 @@ def killed_at_move(session: Path, move: int) -> None:
 
 
 @pytest.mark.parametrize("move", [0, 1, 2, 4, -1])
-def test_a_mix_is_told_and_mended(session: Path, move: int, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mix_is_told_and_mended(
+    session: Path, move: int, capsys: pytest.CaptureFixture[str]
+) -> None:
     old = contents(session)
     last = len(old)  # one move a file, the note's before all
     killed_at_move(session, move % (last + 1) if move >= 0 else last)
@@ -70,7 +82,14 @@ def test_a_recording_in_the_place_of_another_marks_the_old_report(session: Path)
     """Killed while it records: the session is new, the report is that of the old one."""
     child = os.fork()
     if not child:
-        sets = ("vary={}", "scene.bed=locked", "acquire.settle=4", "acquire.record=6", "repeats=2", "seed=8")
+        sets = (
+            "vary={}",
+            "scene.bed=locked",
+            "acquire.settle=4",
+            "acquire.record=6",
+            "repeats=2",
+            "seed=8",
+        )
 
         def kill(_: object) -> None:
             os.kill(os.getpid(), signal.SIGKILL)
@@ -91,4 +110,6 @@ def test_conditions_are_folded_on_the_terminal_and_whole_as_json(
         sessions.session_info(session, False)
         shown = capsys.readouterr().out
         assert sum(f"c{k:02d} " in shown for k in range(1, count + 1)) == most
-        assert (f"{count - most} more" in shown or f"{count - most} condition" in shown) == (most < count)
+        assert (f"{count - most} more" in shown or f"{count - most} condition" in shown) == (
+            most < count
+        )

@@ -7,9 +7,21 @@ from dataclasses import dataclass, field
 from analysis.report.figures.drawing import Area, Dot, Drawing, Mark, PlottedLine, Word
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "INK", "MARKERS", "ORANGE", "SERIES", "Panel", "Scale", "legend", "linear", "logarithmic",
-    "signed_logarithmic", "tick",
-]  # fmt: skip
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "INK",
+    "MARKERS",
+    "ORANGE",
+    "SERIES",
+    "Panel",
+    "Scale",
+    "legend",
+    "linear",
+    "logarithmic",
+    "signed_logarithmic",
+    "tick",
+]
 
 # Okabe and Ito's palette, safe for the colour-blind
 BLUE, ORANGE, GREEN, GREY, INK = "#0072b2", "#d55e00", "#007a5a", "#8a8a8a", "#1c1f23"
@@ -34,7 +46,9 @@ class Scale:
 
 
 def linear(values: Iterable[float], zero: bool = False, most: int = 6) -> Scale:
-    """A linear axis around values, a little wider; zero: it starts or ends at 0 where all are on one side."""
+    """A linear axis around values, a little wider; zero: it starts or ends at 0 where all are on
+    one side.
+    """
     low, high = _ends(values)
     if zero:
         low, high = min(low, 0.0), max(high, 0.0)
@@ -42,8 +56,13 @@ def linear(values: Iterable[float], zero: bool = False, most: int = 6) -> Scale:
         half = abs(low) / 2 or 1.0
         low, high = low - half, high + half
     room = 0.05 * (high - low)
-    low, high = low - (room if not zero or low < 0 else 0), high + (room if not zero or high > 0 else 0)
-    return Scale(low, high, lambda value: (value - low) / (high - low), _round_values(low, high, most))
+    low, high = (
+        low - (room if not zero or low < 0 else 0),
+        high + (room if not zero or high > 0 else 0),
+    )
+    return Scale(
+        low, high, lambda value: (value - low) / (high - low), _round_values(low, high, most)
+    )
 
 
 def logarithmic(values: Iterable[float]) -> Scale:
@@ -61,21 +80,32 @@ def logarithmic(values: Iterable[float]) -> Scale:
     within = [value for value in found if low <= value <= high]
     tens = [value for value in within if f"{value:e}".startswith("1.")]
     ticks = within if len(within) <= 6 else tens if len(tens) <= 7 else tens[:: -(-len(tens) // 6)]
-    return Scale(low, high, lambda value: (math.log(max(value, low / 1e3)) - first) / decades, tuple(ticks))
+    return Scale(
+        low, high, lambda value: (math.log(max(value, low / 1e3)) - first) / decades, tuple(ticks)
+    )
 
 
 def signed_logarithmic(values: Iterable[float]) -> Scale:
-    """Linear within ±NEAR, logarithmic beyond: an offset of some microjoules can be thousands of per cent."""
+    """Linear within ±NEAR, logarithmic beyond: an offset of some microjoules can be thousands of
+    per cent.
+    """
     low, high = _ends(values)
     low, high = min(low, -NEAR / 2), max(high, NEAR / 2)
     if low > -NEAR and high < NEAR:
         return linear((low, high))
 
     def bent(value: float) -> float:
-        return value / NEAR if abs(value) <= NEAR else math.copysign(1 + math.log10(abs(value) / NEAR), value)
+        return (
+            value / NEAR
+            if abs(value) <= NEAR
+            else math.copysign(1 + math.log10(abs(value) / NEAR), value)
+        )
 
     first, last = bent(low) - 0.1, bent(high) + 0.1
-    known = [0.0, *(sign * value for sign in (1, -1) for value in (10.0, 20.0, 100.0, 1e3, 1e4, 1e5, 1e6))]
+    known = [
+        0.0,
+        *(sign * value for sign in (1, -1) for value in (10.0, 20.0, 100.0, 1e3, 1e4, 1e5, 1e6)),
+    ]
     ticks = sorted(value for value in known if first <= bent(value) <= last)
     return Scale(low, high, lambda value: (bent(value) - first) / (last - first), tuple(ticks))
 
@@ -109,19 +139,40 @@ class Panel:
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Pixels of a point, kept within the frame."""
         across, up = (min(max(s.place(v), 0.0), 1.0) for s, v in ((self.x, x), (self.y, y)))
-        return LEFT + across * (WIDTH - LEFT - RIGHT), self.height - BOTTOM - up * (self.height - TOP - BOTTOM)
+        return LEFT + across * (WIDTH - LEFT - RIGHT), self.height - BOTTOM - up * (
+            self.height - TOP - BOTTOM
+        )
 
-    def line(self, x: Sequence[float], y: Sequence[float], colour: str, width: float = 1.6, dash: str = "") -> None:
+    def line(
+        self,
+        x: Sequence[float],
+        y: Sequence[float],
+        colour: str,
+        width: float = 1.6,
+        dash: str = "",
+    ) -> None:
         """A broken line through points; a single point is given a width."""
         self.marks.append(
-            PlottedLine(self._widened([self.at(*point) for point in zip(x, y, strict=True)]), colour, width, dash)
+            PlottedLine(
+                self._widened([self.at(*point) for point in zip(x, y, strict=True)]),
+                colour,
+                width,
+                dash,
+            )
         )
 
     def band(
-        self, x: Sequence[float], low: Sequence[float], high: Sequence[float], colour: str, opacity: float
+        self,
+        x: Sequence[float],
+        low: Sequence[float],
+        high: Sequence[float],
+        colour: str,
+        opacity: float,
     ) -> None:
         """The area between two lines; of a single point, a bar of some width."""
-        below, above = (self._widened([self.at(*p) for p in zip(x, y, strict=True)]) for y in (low, high))
+        below, above = (
+            self._widened([self.at(*p) for p in zip(x, y, strict=True)]) for y in (low, high)
+        )
         self.marks.append(Area([*below, *reversed(above)], colour, opacity))
 
     def _widened(self, points: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -138,26 +189,48 @@ class Panel:
         """A horizontal band across the frame."""
         self.band((self.x.low, self.x.high), (low, low), (high, high), colour, opacity)
 
-    def bars(self, x: Sequence[float], y: Sequence[float], U: Sequence[float], colour: str, shape: str = "o") -> None:
+    def bars(
+        self,
+        x: Sequence[float],
+        y: Sequence[float],
+        U: Sequence[float],
+        colour: str,
+        shape: str = "o",
+    ) -> None:
         """Dots with bars of ±U."""
         for each, value, half in zip(x, y, U, strict=True):
             (across, low), (_, high) = self.at(each, value - half), self.at(each, value + half)
             if low - high > 2:
                 self.marks.append(PlottedLine(((across, low), (across, high)), colour, 1.2))
-                self.marks += [PlottedLine(((across - 3, end), (across + 3, end)), colour, 1.2) for end in (low, high)]
+                self.marks += [
+                    PlottedLine(((across - 3, end), (across + 3, end)), colour, 1.2)
+                    for end in (low, high)
+                ]
             self.marks.append(Dot(self.at(each, value), shape, colour))
 
     def dots(self, x: Sequence[float], y: Sequence[float], colour: str, shape: str = "o", radius: float = 2.0,
              hollow: bool = True) -> None:  # fmt: skip
         """Small dots: single runs."""
-        self.marks += [Dot(self.at(*p), shape, colour, radius, hollow) for p in zip(x, y, strict=True)]
+        self.marks += [
+            Dot(self.at(*p), shape, colour, radius, hollow) for p in zip(x, y, strict=True)
+        ]
 
     def column(self, x: float, low: float, high: float, colour: str, width: float = 0.6) -> None:
         """A column of a bar chart from low to high."""
         (left, top), (right, bottom) = self.at(x - width / 2, high), self.at(x + width / 2, low)
-        self.marks.append(Area(((left, top), (right, top), (right, bottom), (left, bottom)), colour))
+        self.marks.append(
+            Area(((left, top), (right, top), (right, bottom), (left, bottom)), colour)
+        )
 
-    def word(self, x: float, y: float, text: str, anchor: str = "middle", up: float = 6.0, colour: str = INK) -> None:
+    def word(
+        self,
+        x: float,
+        y: float,
+        text: str,
+        anchor: str = "middle",
+        up: float = 6.0,
+        colour: str = INK,
+    ) -> None:
         """Words at a point of the data, so many pixels above it."""
         across, down = self.at(x, y)
         self.marks.append(Word((across, down - up), text, anchor, 10.5, colour=colour))
@@ -199,18 +272,23 @@ def tick(value: float) -> str:
 
 
 def legend(entries: Sequence[tuple[str, str, str]]) -> Drawing:
-    """What lines, bands and dots mean. entries: (kind, colour, words), kind a marker's shape, `line`, `dash`, `run` or
-    `band`."""
+    """What lines, bands and dots mean. entries: (kind, colour, words), kind a marker's shape,
+    `line`, `dash`, `run` or `band`."""
     marks: list[Mark] = []
     for row, (kind, colour, words) in enumerate(entries):
         y = 12.0 + 18 * row
         if kind == "band":
             marks.append(Area(((2, y - 5), (26, y - 5), (26, y + 5), (2, y + 5)), colour, 0.3))
         elif kind in ("line", "dash"):
-            marks.append(PlottedLine(((2, y), (26, y)), colour, 1.8, "5 3" if kind == "dash" else ""))
+            marks.append(
+                PlottedLine(((2, y), (26, y)), colour, 1.8, "5 3" if kind == "dash" else "")
+            )
         elif kind == "run":
             marks.append(Dot((14, y), "o", colour, 2.0, True))
         else:
-            marks += [PlottedLine(((14, y - 7), (14, y + 7)), colour, 1.2), Dot((14, y), kind, colour)]
+            marks += [
+                PlottedLine(((14, y - 7), (14, y + 7)), colour, 1.2),
+                Dot((14, y), kind, colour),
+            ]
         marks.append(Word((34, y + 4), words))
     return Drawing(WIDTH, 18.0 * len(entries) + 6, tuple(marks), "legend")

@@ -4,7 +4,18 @@ import math
 
 import numpy as np
 
-from analysis.report.figures.axes import BLUE, GREY, INK, MARKERS, ORANGE, SERIES, Panel, legend, linear, logarithmic
+from analysis.report.figures.axes import (
+    BLUE,
+    GREY,
+    INK,
+    MARKERS,
+    ORANGE,
+    SERIES,
+    Panel,
+    legend,
+    linear,
+    logarithmic,
+)
 from analysis.report.figures.drawing import Plot, thinned
 from analysis.report.tables.cells import number
 from analysis.results.report import Report
@@ -21,16 +32,27 @@ def waveform_plot(report: Report) -> Plot | None:
     found = report.waveforms
     if not found or not found.force:
         return None
-    phasors = [np.array([complex(*pair) for pair in pairs]) for pairs in (found.force, found.acceleration)]
+    phasors = [
+        np.array([complex(*pair) for pair in pairs]) for pairs in (found.force, found.acceleration)
+    ]
     orders, t = np.arange(1, len(found.force) + 1), np.arange(POINTS + 1) / POINTS
     turns = np.exp(2j * np.pi * np.outer(orders, t))
     omega = 2 * math.pi * found.frequency * orders
     force, acceleration = ((each @ turns).real for each in phasors)
     displacement = ((-phasors[1] / omega**2) @ turns).real * 1e3
-    loop = Panel(linear(displacement), linear(force), "displacement, mm", "force, N", "Force against displacement")
+    loop = Panel(
+        linear(displacement),
+        linear(force),
+        "displacement, mm",
+        "force, N",
+        "Force against displacement",
+    )
     loop.line(displacement.tolist(), force.tolist(), BLUE)
     panels = [loop.drawing()]
-    for name, values, unit, colour in (("force", force, "N", BLUE), ("acceleration", acceleration, "m/s²", ORANGE)):
+    for name, values, unit, colour in (
+        ("force", force, "N", BLUE),
+        ("acceleration", acceleration, "m/s²", ORANGE),
+    ):
         panel = Panel(linear((0, 1)), linear([*values.tolist(), 0.0]), "time, cycles", f"{name}, {unit}",
                       f"{name.capitalize()}, one cycle")  # fmt: skip
         panel.level(0.0, GREY, 0.8)
@@ -59,7 +81,9 @@ def waveform_plot(report: Report) -> Plot | None:
 
 
 def repeats_plot(report: Report) -> Plot | None:
-    """W of each cycle in the runs of one condition, and of each run against the order in which they were made."""
+    """W of each cycle in the runs of one condition, and of each run against the order in which they
+    were made.
+    """
     found = report.waveforms
     if not found:
         return None
@@ -68,12 +92,17 @@ def repeats_plot(report: Report) -> Plot | None:
     each = found.cycles_each
     longest = max(len(values) for _, values in runs) * each
     what = "every cycle" if each == 1 else f"means of {each} cycles"
-    panel = Panel(linear((1, longest)), linear(everything), "cycle", "W, mJ", f"{found.condition}: {what}")
+    panel = Panel(
+        linear((1, longest)), linear(everything), "cycle", "W, mJ", f"{found.condition}: {what}"
+    )
     for place, (_, values) in enumerate(runs[: len(SERIES)]):
         places = [number * each + (each + 1) / 2 for number in range(len(values))]
         panel.line(places, values, SERIES[place], 0.9)
         panel.dots(places, values, SERIES[place], MARKERS[place % len(MARKERS)], 2.2, hollow=False)
-    names = [(MARKERS[n % len(MARKERS)], SERIES[n], name) for n, (name, _) in enumerate(runs[: len(SERIES)])]
+    names = [
+        (MARKERS[n % len(MARKERS)], SERIES[n], name)
+        for n, (name, _) in enumerate(runs[: len(SERIES)])
+    ]
     panels = [legend(names), panel.drawing()]
     told = [
         (float(run.order), 100 * (run.W_exp / row.W_exp - 1))
@@ -88,10 +117,16 @@ def repeats_plot(report: Report) -> Plot | None:
         drift.level(0.0, INK, 0.8)
         drift.dots([x for x, _ in told], [y for _, y in told], BLUE, radius=2.5)
         panels.append(drift.drawing())
-    counted_runs = f"{count} runs" if len(told) == count else f"{len(told)} of {count} runs, evenly chosen,"
+    counted_runs = (
+        f"{count} runs" if len(told) == count else f"{len(told)} of {count} runs, evenly chosen,"
+    )
     alt = (
         f"W of every cycle in {counted(len(runs), 'run')} of {found.condition}"
-        + (f", and of {counted_runs} over the mean of their condition in the order they were made" if told else "")
+        + (
+            f", and of {counted_runs} over the mean of their condition in the order they were made"
+            if told
+            else ""
+        )
         + ": a trend would show what had not settled, or drift. The numbers are in report.json."
     )
     return Plot("repeats", "W per cycle and run", alt, tuple(panels))

@@ -1,4 +1,5 @@
-"""Drawings made of lines, areas, dots and words, and their SVG: equal drawings give equal bytes; no library is loaded.
+"""Drawings made of lines, areas, dots and words, and their SVG: equal drawings give equal bytes; no
+library is loaded.
 
 Lengths are pixels, y points down. Small enough that one fits a phone; several make a figure.
 """
@@ -64,7 +65,9 @@ class Dot:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """Text. anchor: start, middle or end of it is at the point; upright: turned by a quarter, read from below."""
+    """Text. anchor: start, middle or end of it is at the point; upright: turned by a quarter, read
+    from below.
+    """
 
     at: tuple[float, float]
     text: str
@@ -90,9 +93,11 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """A figure ready for a page. name: of its file; alt: what it shows, in words; panels: its drawings, in order.
+    """A figure ready for a page. name: of its file; alt: what it shows, in words; panels: its
+    drawings, in order.
 
-    across: how many of them stand beside each other in the file. A page puts as many as there is room for.
+    across: how many of them stand beside each other in the file. A page puts as many as there is
+    room for.
     """
 
     name: str
@@ -105,7 +110,9 @@ class Plot:
     def svg(self) -> str:
         """The whole figure as an SVG file."""
         return (
-            '<?xml version="1.0" encoding="utf-8"?>\n' + svg_text(arranged(self.panels, self.across), self.alt) + "\n"
+            '<?xml version="1.0" encoding="utf-8"?>\n'
+            + svg_text(arranged(self.panels, self.across), self.alt)
+            + "\n"
         )
 
 

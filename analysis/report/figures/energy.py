@@ -3,7 +3,18 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from analysis.report.figures.axes import BLUE, GREY, MARKERS, ORANGE, SERIES, Panel, Scale, legend, linear, logarithmic
+from analysis.report.figures.axes import (
+    BLUE,
+    GREY,
+    MARKERS,
+    ORANGE,
+    SERIES,
+    Panel,
+    Scale,
+    legend,
+    linear,
+    logarithmic,
+)
 from analysis.report.figures.drawing import Drawing, Plot, thinned
 from analysis.results.condition_row import ConditionRow
 from analysis.results.report import Report
@@ -25,13 +36,18 @@ MOST_CONDITIONS = 100  # of a panel
 SAME = 2e-3  # relative
 MOST_SERIES = len(SERIES)
 MARKS = [
-    ("o", BLUE, "W_exp measured, with U (95 %)"), ("run", BLUE, "single runs"), ("line", ORANGE, "W_T predicted"),
-    ("band", ORANGE, "its U (95 %)"), ("band", GREY, "below W_detect: not told from a phase error"),
-]  # fmt: skip
+    ("o", BLUE, "W_exp measured, with U (95 %)"),
+    ("run", BLUE, "single runs"),
+    ("line", ORANGE, "W_T predicted"),
+    ("band", ORANGE, "its U (95 %)"),
+    ("band", GREY, "below W_detect: not told from a phase error"),
+]
 
 
 def energy_plots(report: Report) -> tuple[Plot, ...]:
-    """W against a for each fill, size, density or frequency, linear and logarithmic; W against what else was varied."""
+    """W against a for each fill, size, density or frequency, linear and logarithmic; W against what
+    else was varied.
+    """
     rows = _snapped(report.conditions)
     if not rows:
         return ()
@@ -48,11 +64,15 @@ def energy_plots(report: Report) -> tuple[Plot, ...]:
 
 
 def _snapped(rows: Sequence[ConditionRow]) -> list[ConditionRow]:
-    """The conditions with settings that agree within SAME made equal: a frequency or level that was found in a record
-    is never twice the same."""
+    """The conditions with settings that agree within SAME made equal: a frequency or level that was
+    found in a record is never twice the same."""
     changed: list[dict[str, float]] = [{} for _ in rows]
     for name in AXES:
-        known = [(value, place) for place, value in enumerate(getattr(row, name) for row in rows) if value is not None]
+        known = [
+            (value, place)
+            for place, value in enumerate(getattr(row, name) for row in rows)
+            if value is not None
+        ]
         last: float | None = None
         for value, place in sorted(known):
             if last is not None and value <= last * (1 + SAME) and value != last:
@@ -63,24 +83,42 @@ def _snapped(rows: Sequence[ConditionRow]) -> list[ConditionRow]:
 
 
 def swept(rows: Sequence[ConditionRow]) -> str:
-    """The quantity that the conditions vary: fill, density, diameter or frequency, else the acceleration."""
+    """The quantity that the conditions vary: fill, density, diameter or frequency, else the
+    acceleration.
+    """
     known = (name for name in AXES if all(getattr(row, name) is not None for row in rows))
     varied = (name for name in known if len({getattr(row, name) for row in rows}) > 1)
     return next(varied, "acceleration_set")
 
 
 def series(rows: Sequence[ConditionRow], x: str) -> dict[str, list[ConditionRow]]:
-    """Conditions that differ in more than x, by the label that tells them apart, each in the order of x."""
-    kept = ("bed", "material", "density", "diameter", "fill", "frequency", "drive", "acceleration_set")
+    """Conditions that differ in more than x, by the label that tells them apart, each in the order
+    of x.
+    """
+    kept = (
+        "bed",
+        "material",
+        "density",
+        "diameter",
+        "fill",
+        "frequency",
+        "drive",
+        "acceleration_set",
+    )
     names = [name for name in kept if name != x and len({getattr(row, name) for row in rows}) > 1]
     if "density" in (x, *names) and "material" in names:
         names.remove("material")
     found: dict[str, list[ConditionRow]] = {}
     for row in rows:
         also = row.varied.items()
-        words = [*(word(name, getattr(row, name)) for name in names), *(f"{name} {text}" for name, text in also)]
+        words = [
+            *(word(name, getattr(row, name)) for name in names),
+            *(f"{name} {text}" for name, text in also),
+        ]
         found.setdefault(", ".join(words), []).append(row)
-    return {label: sorted(mine, key=lambda row: float(getattr(row, x))) for label, mine in found.items()}
+    return {
+        label: sorted(mine, key=lambda row: float(getattr(row, x))) for label, mine in found.items()
+    }
 
 
 def word(name: str, value: str | float | None) -> str:
@@ -97,7 +135,10 @@ def _against_acceleration(rows: Sequence[ConditionRow], log: bool) -> Plot:
     """The paper's Figs. 11 to 13: a panel for each line of them."""
     groups = series(rows, "acceleration_set")
     shown = list(groups.items())[:MOST_PANELS]
-    panels = [legend(MARKS), *(_panel(mine, "acceleration_set", label, log) for label, mine in shown)]
+    panels = [
+        legend(MARKS),
+        *(_panel(mine, "acceleration_set", label, log) for label, mine in shown),
+    ]
     what = "logarithmic axes" if log else "linear axes"
     alt = (
         f"Energy per cycle against acceleration, {counted(len(shown), 'panel')}, {what}: measured means with 95 % "
@@ -123,10 +164,13 @@ def _against(rows: Sequence[ConditionRow], x: str) -> Plot:
         mine = [row for row in rows if row.acceleration_set == level]
         groups = series(mine, x)
         if len(groups) == 1:
-            panels.append(_panel(next(iter(groups.values())), x, word("acceleration_set", level), False))
+            panels.append(
+                _panel(next(iter(groups.values())), x, word("acceleration_set", level), False)
+            )
         else:
             panels += [
-                _panel(group, x, f"{word('acceleration_set', level)}, {name}", False) for name, group in groups.items()
+                _panel(group, x, f"{word('acceleration_set', level)}, {name}", False)
+                for name, group in groups.items()
             ]
     panels = panels[: MOST_PANELS + 1]
     alt = (
@@ -143,18 +187,35 @@ def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawi
         shown = thinned(rows, MOST_CONDITIONS)
         title, rows = f"{title}, {len(shown)} of {len(rows)} shown".lstrip(", "), shown
     at = [scale * getattr(row, x) for row in rows]
-    told = [(scale * getattr(row, x), 1e3 * row.W_T, 1e3 * (row.U_W_T or 0.0)) for row in rows if row.W_T is not None]
-    runs = [(place, 1e3 * run.W_exp) for place, row in zip(at, rows, strict=True) for run in row.runs]
+    told = [
+        (scale * getattr(row, x), 1e3 * row.W_T, 1e3 * (row.U_W_T or 0.0))
+        for row in rows
+        if row.W_T is not None
+    ]
+    runs = [
+        (place, 1e3 * run.W_exp) for place, row in zip(at, rows, strict=True) for run in row.runs
+    ]
     heights = [
         *(1e3 * (row.W_exp + sign * row.U_W_exp) for row in rows for sign in (-1, 1)),
-        *(1e3 * (row.W_T + sign * (row.U_W_T or 0.0)) for row in rows if row.W_T is not None for sign in (-1, 1)),
+        *(
+            1e3 * (row.W_T + sign * (row.U_W_T or 0.0))
+            for row in rows
+            if row.W_T is not None
+            for sign in (-1, 1)
+        ),
         *(W for _, W in runs),
-    ]  # fmt: skip
+    ]
     axes: Callable[..., Scale] = logarithmic if log else linear
     if log:  # what a logarithmic axis cannot show ends it: nothing far below what is told from zero
         floor = min((1e3 * max(row.detected, 1e-9) for row in rows), default=1e-6)
         heights = [max(height, floor / 3) for height in heights]
-    panel = Panel(axes(at), axes(heights) if log else linear(heights, zero=True), name, "W, mJ per cycle", title)
+    panel = Panel(
+        axes(at),
+        axes(heights) if log else linear(heights, zero=True),
+        name,
+        "W, mJ per cycle",
+        title,
+    )
     if len(at) == 1:
         panel.x = linear((at[0],))
     panel.band(at, [panel.y.low] * len(at), [1e3 * row.detected for row in rows], GREY, 0.35)
@@ -176,7 +237,9 @@ def _single(row: ConditionRow) -> Plot:
     if W_T is not None:
         values += [1e3 * (W_T + sign * U_W_T) for sign in (-1, 1)]
         names.append("W_T")
-    panel = Panel(linear((-0.5, len(names) - 0.5)), linear(values), "", "W, mJ per cycle", row.id, names=names)
+    panel = Panel(
+        linear((-0.5, len(names) - 0.5)), linear(values), "", "W, mJ per cycle", row.id, names=names
+    )
     panel.spread(panel.y.low, 1e3 * row.detected, GREY, 0.35)
     count = max(len(runs) - 1, 1)
     panel.dots([0.5 * (number / count - 0.5) for number in range(len(runs))], runs, BLUE, radius=3)
@@ -198,15 +261,27 @@ def _beds(rows: Sequence[ConditionRow]) -> Plot:
     told = {tuple(row.varied) for row in shown}
     (only,) = next(iter(told)) if len(told) == 1 and len(next(iter(told))) == 1 else ("condition",)
     names = [row.varied.get(only, row.id) for row in shown]
-    panel = Panel(linear((-0.5, len(shown) - 0.5)), linear(values, zero=True), only, "W, mJ per cycle", names=names)
+    panel = Panel(
+        linear((-0.5, len(shown) - 0.5)),
+        linear(values, zero=True),
+        only,
+        "W, mJ per cycle",
+        names=names,
+    )
     for place, row in enumerate(shown):
         panel.dots([place] * len(row.runs), [1e3 * run.W_exp for run in row.runs], BLUE)
         panel.bars([place], [1e3 * row.W_exp], [1e3 * row.U_W_exp], BLUE, MARKERS[0])
         if row.W_T is not None:
-            panel.bars([place + 0.25], [1e3 * row.W_T], [1e3 * (row.U_W_T or 0.0)], ORANGE, MARKERS[2])
+            panel.bars(
+                [place + 0.25], [1e3 * row.W_T], [1e3 * (row.U_W_T or 0.0)], ORANGE, MARKERS[2]
+            )
     alt = (
         "Energy per cycle of each condition: single runs, means with 95 % uncertainty bars, and the predicted energy "
         "beside them." + _rest(len(rows) - len(shown))
     )
-    words = [("o", BLUE, "W_exp measured, with U (95 %)"), ("run", BLUE, "single runs"), ("D", ORANGE, "W_T predicted")]
+    words = [
+        ("o", BLUE, "W_exp measured, with U (95 %)"),
+        ("run", BLUE, "single runs"),
+        ("D", ORANGE, "W_T predicted"),
+    ]
     return Plot("energy", "Energy per cycle", alt, (legend(words), panel.drawing()), across=1)

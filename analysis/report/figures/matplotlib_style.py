@@ -24,7 +24,9 @@ WORDS: Any = {"start": "left", "middle": "center", "end": "right"}
 
 
 def svg(figure: "Figure", salt: str) -> str:
-    """The figure as SVG text, without date; `salt` makes its ids differ from those of other figures on a page."""
+    """The figure as SVG text, without date; `salt` makes its ids differ from those of other figures
+    on a page.
+    """
     import matplotlib
 
     text = io.StringIO()
@@ -59,9 +61,13 @@ def _artist(mark: Mark, order: int) -> Any:
     if isinstance(mark, PlottedLine):
         x, y = zip(*mark.points, strict=True)
         style: Any = (0, tuple(float(n) for n in mark.dash.split())) if mark.dash else "-"
-        return Line2D(x, y, color=mark.colour, linewidth=mark.width * point, linestyle=style, zorder=order)
+        return Line2D(
+            x, y, color=mark.colour, linewidth=mark.width * point, linestyle=style, zorder=order
+        )
     if isinstance(mark, Area):
-        return Polygon(list(mark.points), color=mark.colour, alpha=mark.opacity, linewidth=0, zorder=order)
+        return Polygon(
+            list(mark.points), color=mark.colour, alpha=mark.opacity, linewidth=0, zorder=order
+        )
     if isinstance(mark, Word):
         return Text(
             *mark.at, visible(mark.text), parse_math=False, color=mark.colour,
@@ -69,7 +75,11 @@ def _artist(mark: Mark, order: int) -> Any:
             fontweight="bold" if mark.bold else "normal", horizontalalignment=WORDS[mark.anchor],
             verticalalignment="baseline", rotation_mode="anchor", zorder=order,
         )  # fmt: skip
-    paint: Any = {"facecolor": "white" if mark.hollow else mark.colour, "edgecolor": mark.colour, "linewidth": point}
+    paint: Any = {
+        "facecolor": "white" if mark.hollow else mark.colour,
+        "edgecolor": mark.colour,
+        "linewidth": point,
+    }
     if mark.shape == "o":
         return Circle(mark.at, mark.radius, zorder=order, **paint)
     return Polygon(list(outline(mark)), zorder=order, **paint)

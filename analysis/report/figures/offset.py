@@ -29,9 +29,14 @@ def offset_plot(report: Report) -> Plot | None:
         return None
     rows = thinned(told)
     W = [1e3 * W_T for _, W_T, _ in rows]
-    offset, U = [100 * value for _, _, value in rows], [100 * (row.U_offset or 0.0) for row, _, _ in rows]
+    offset, U = (
+        [100 * value for _, _, value in rows],
+        [100 * (row.U_offset or 0.0) for row, _, _ in rows],
+    )
     ends = [value + sign * half for value, half in zip(offset, U, strict=True) for sign in (-1, 1)]
-    panel = Panel(logarithmic(W), signed_logarithmic(ends), "W_T, mJ per cycle", "offset, %", height=300)
+    panel = Panel(
+        logarithmic(W), signed_logarithmic(ends), "W_T, mJ per cycle", "offset, %", height=300
+    )
     ratio, U_ratio = report.agreement.ratio, report.agreement.U_ratio
     if ratio is not None and U_ratio is not None:
         panel.spread(100 * (ratio - 1 - U_ratio), 100 * (ratio - 1 + U_ratio), ORANGE, 0.2)
@@ -44,22 +49,40 @@ def offset_plot(report: Report) -> Plot | None:
         "beyond. The energy-weighted offset is a line with its band. The numbers are in the table of conditions."
         + thinned_words(len(rows), len(told))
     )
-    words = [("o", BLUE, "W_exp/W_T − 1, with U (95 %)"), ("line", ORANGE, "energy-weighted, with U (95 %)")]
+    words = [
+        ("o", BLUE, "W_exp/W_T − 1, with U (95 %)"),
+        ("line", ORANGE, "energy-weighted, with U (95 %)"),
+    ]
     return Plot("offset", "Offset against W_T", alt, (legend(words), panel.drawing()), across=1)
 
 
 def _with_offset(report: Report) -> list[tuple[ConditionRow, float, float]]:
     """The conditions that state an offset, with W_T (J) and the offset."""
-    return [(row, row.W_T, row.offset) for row in report.conditions if row.offset is not None and row.W_T is not None]
+    return [
+        (row, row.W_T, row.offset)
+        for row in report.conditions
+        if row.offset is not None and row.W_T is not None
+    ]
 
 
 def weighted_terms(report: Report) -> OffsetTerms | None:
-    """The terms of the offset as fractions of W_T, weighted with W_T, over the conditions that have them."""
-    told = [(row.offset_terms, row.W_T or 0.0) for row in report.conditions if row.offset_terms is not None]
+    """The terms of the offset as fractions of W_T, weighted with W_T, over the conditions that have
+    them.
+    """
+    told = [
+        (row.offset_terms, row.W_T or 0.0)
+        for row in report.conditions
+        if row.offset_terms is not None
+    ]
     total = math.fsum(W_T for _, W_T in told)
     if not told or not total > 0:
         return None
-    return OffsetTerms(**{name: math.fsum(getattr(terms, name) * W_T for terms, W_T in told) / total for name in TERMS})
+    return OffsetTerms(
+        **{
+            name: math.fsum(getattr(terms, name) * W_T for terms, W_T in told) / total
+            for name in TERMS
+        }
+    )
 
 
 def terms_plot(report: Report) -> Plot | None:
@@ -71,11 +94,18 @@ def terms_plot(report: Report) -> Plot | None:
     for name, value in found.named():
         steps.append((name, so_far, so_far + 100 * value))
         so_far += 100 * value
-    named = [*(short_name(name) if name != "remainder" else "rest" for name, _, _ in steps), "offset"]
+    named = [
+        *(short_name(name) if name != "remainder" else "rest" for name, _, _ in steps),
+        "offset",
+    ]
     panel = Panel(
-        linear((-0.6, len(steps) + 0.6)), linear([0.0, *(end for _, _, end in steps)], zero=True), "", "% of W_T",
-        height=250, names=[""] * len(named),
-    )  # fmt: skip
+        linear((-0.6, len(steps) + 0.6)),
+        linear([0.0, *(end for _, _, end in steps)], zero=True),
+        "",
+        "% of W_T",
+        height=250,
+        names=[""] * len(named),
+    )
     for place, (name, start, end) in enumerate([*steps, ("offset", 0.0, so_far)]):
         low, high = min(start, end), max(start, end)
         colour = GREEN if name == "offset" else BLUE if end >= start else ORANGE
@@ -85,21 +115,33 @@ def terms_plot(report: Report) -> Plot | None:
             panel.word(place, high, f"{end - start:+.{places}f}".replace("-", "−"), up=4)
         panel.word(place, panel.y.low, named[place], up=-14 if place % 2 == 0 else -27)
     panel.level(0.0, INK)
-    told = ", ".join(f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.named())
+    told = ", ".join(
+        f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.named()
+    )
     alt = f"The offset, term by term, as per cent of W_T weighted with energy: {told}; together {so_far:+.3g} %."
     return Plot("terms", "From W_T to W_exp", alt, (panel.drawing(),), across=1)
 
 
 def nulls_plot(report: Report) -> Plot | None:
     """The nulls as angles with U; None without."""
-    told = [(row, row.dphi, row.U_dphi) for row in report.nulls if row.dphi is not None and row.U_dphi is not None]
+    told = [
+        (row, row.dphi, row.U_dphi)
+        for row in report.nulls
+        if row.dphi is not None and row.U_dphi is not None
+    ]
     if not told:
         return None
     rows = [row for row, _, _ in told]
     values = [1e3 * (dphi + sign * U) for _, dphi, U in told for sign in (-1, 1)]
     names = [f"{row.null}, {row.bed_mass:.3g} kg" if row.bed_mass else row.null for row in rows]
-    panel = Panel(linear((-0.6, len(rows) - 0.4)), linear([*values, 0.0]), "bed that cannot slide", "angle, mrad",
-                  height=220, names=names if len(rows) <= 3 else [row.null for row in rows])  # fmt: skip
+    panel = Panel(
+        linear((-0.6, len(rows) - 0.4)),
+        linear([*values, 0.0]),
+        "bed that cannot slide",
+        "angle, mrad",
+        height=220,
+        names=names if len(rows) <= 3 else [row.null for row in rows],
+    )
     panel.level(0.0, INK)
     for place, (row, dphi, U) in enumerate(told):
         colour = ORANGE if row.verdict == "does not hold" else BLUE
@@ -110,7 +152,8 @@ def nulls_plot(report: Report) -> Plot | None:
 
 
 def bland_altman(report: Report) -> Plot | None:
-    """Relative difference against the mean of both, with bias and limits of agreement; None with fewer than 3.
+    """Relative difference against the mean of both, with bias and limits of agreement; None with
+    fewer than 3.
 
     Bland and Altman, Lancet 327, 307 (1986); relative because the differences grow with W.
     """

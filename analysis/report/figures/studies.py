@@ -1,4 +1,5 @@
-"""Files of a parametric study: a figure (SVG, PNG) and a CSV for each panel, and a CSV of what the paper says.
+"""Files of a parametric study: a figure (SVG, PNG) and a CSV for each panel, and a CSV of what the
+paper says.
 
 A study is a plain dict as `rig.theory.paper.studies` gives it; equal studies give equal bytes.
 """
@@ -23,11 +24,22 @@ Panel = dict[str, Any]
 SIZE = (7.2, 4.2)  # inches
 MARKED = 25  # most points of a curve that are drawn as markers
 DOTS_PER_INCH = 150
-COLUMNS = ("equation", "subject", "printed", "corrected", "printed_value", "corrected_value", "unit", "holds", "note")
+COLUMNS = (
+    "equation",
+    "subject",
+    "printed",
+    "corrected",
+    "printed_value",
+    "corrected_value",
+    "unit",
+    "holds",
+    "note",
+)
 
 
 def write_study(study: dict[str, Any], out_dir: Path) -> tuple[Path, ...]:
-    """Write all files of a study to a folder, which is made where there is none; the paths written, in order.
+    """Write all files of a study to a folder, which is made where there is none; the paths written,
+    in order.
 
     Raises OSError.
     """
@@ -48,21 +60,31 @@ def rows_csv(rows: Iterable[dict[str, Any]]) -> str:
     """Statements of the paper, a line each: as printed, corrected, a number of each, yes or no."""
     return _csv(
         COLUMNS,
-        ([("yes" if row["holds"] else "no") if name == "holds" else _cell(row[name]) for name in COLUMNS]
-         for row in rows),
-    )  # fmt: skip
+        (
+            [
+                ("yes" if row["holds"] else "no") if name == "holds" else _cell(row[name])
+                for name in COLUMNS
+            ]
+            for row in rows
+        ),
+    )
 
 
 def panel_csv(panel: Panel) -> str:
     """A column for x, one for each curve; SI units in the header."""
     x, y = panel["x"], panel["y"]
-    head = [_axis(x), *(f"{_axis(y)}; {panel['legend']} {curve['label']}" for curve in panel["curves"])]
+    head = [
+        _axis(x),
+        *(f"{_axis(y)}; {panel['legend']} {curve['label']}" for curve in panel["curves"]),
+    ]
     columns = [x["values"], *(curve["values"] for curve in panel["curves"])]
     return _csv(head, ([_cell(value) for value in line] for line in zip(*columns, strict=True)))
 
 
 def panel_figure(panel: Panel) -> "Figure":
-    """The curves of a panel, with what the paper quotes marked: filled where it holds, crossed where it does not."""
+    """The curves of a panel, with what the paper quotes marked: filled where it holds, crossed
+    where it does not.
+    """
     import matplotlib
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
@@ -75,15 +97,27 @@ def panel_figure(panel: Panel) -> "Figure":
         for number, curve in enumerate(panel["curves"]):
             points = len(x["values"])
             axes.plot(
-                x["values"], curve["values"], color=SERIES[number % len(SERIES)], marker=MARKERS[number % len(MARKERS)],
-                markersize=3.5, markevery=max(1, points // MARKED), label=f"{panel['legend']} {curve['label']}",
-            )  # fmt: skip
+                x["values"],
+                curve["values"],
+                color=SERIES[number % len(SERIES)],
+                marker=MARKERS[number % len(MARKERS)],
+                markersize=3.5,
+                markevery=max(1, points // MARKED),
+                label=f"{panel['legend']} {curve['label']}",
+            )
         for mark in panel["marks"]:
             verdict = "holds" if mark["holds"] else "does not hold"
             axes.plot(
-                [mark["x"]], [mark["y"]], color=ORANGE, linestyle="none", marker="o" if mark["holds"] else "X",
-                markersize=9, markeredgecolor="black", zorder=5, label=f"{mark['label']}: {verdict}",
-            )  # fmt: skip
+                [mark["x"]],
+                [mark["y"]],
+                color=ORANGE,
+                linestyle="none",
+                marker="o" if mark["holds"] else "X",
+                markersize=9,
+                markeredgecolor="black",
+                zorder=5,
+                label=f"{mark['label']}: {verdict}",
+            )
         axes.set_title(f"{panel['title']} ({panel['paper']})", loc="left", fontweight="bold")
         axes.set_xlabel(_axis(x))
         axes.set_ylabel(_axis(y))
@@ -95,7 +129,9 @@ def panel_figure(panel: Panel) -> "Figure":
 
 
 def _axis(quantity: dict[str, Any]) -> str:
-    return f"{quantity['label']}, {quantity['unit']}" if quantity["unit"] else str(quantity["label"])
+    return (
+        f"{quantity['label']}, {quantity['unit']}" if quantity["unit"] else str(quantity["label"])
+    )
 
 
 def _cell(value: Any) -> str:

@@ -19,12 +19,21 @@ def sweep_plot(report: Report) -> Plot | None:
     found = report.sweeps
     if not found:
         return None
-    names = [("o", SERIES[n % len(SERIES)], f"{one.condition}, {one.run}: {one.bed}") for n, one in enumerate(found)]
+    names = [
+        ("o", SERIES[n % len(SERIES)], f"{one.condition}, {one.run}: {one.bed}")
+        for n, one in enumerate(found)
+    ]
     panels = [legend(names)]
     across = linear([f for one in found for f in one.frequency])
     for key, label, title, by_decades in CURVES:
         values = [value for one in found for value in getattr(one, key)]
-        panel = Panel(across, logarithmic(values) if by_decades else linear(values), "frequency, Hz", label, title)
+        panel = Panel(
+            across,
+            logarithmic(values) if by_decades else linear(values),
+            "frequency, Hz",
+            label,
+            title,
+        )
         if not by_decades:
             panel.level(0.0, GREY, 0.8)
         for n, one in enumerate(found):

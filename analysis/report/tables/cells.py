@@ -8,7 +8,9 @@ __all__ = ["UNBOUNDED", "UNKNOWN", "Cell", "Table", "fixed", "number", "signific
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A table cell: what is shown, and the number to sort by where it is one; numeric: stands with the numbers."""
+    """A table cell: what is shown, and the number to sort by where it is one; numeric: stands with
+    the numbers.
+    """
 
     text: str
     value: float | None = None
@@ -30,7 +32,9 @@ UNBOUNDED = Cell("∞", math.inf)
 
 
 def significant(value: float, digits: int) -> str:
-    """A number to so many significant digits, with an exponent only where it would be a row of zeros."""
+    """A number to so many significant digits, with an exponent only where it would be a row of
+    zeros.
+    """
     if value == 0 or not 1e-4 <= abs(value) < 1e6:
         return f"{value:.{digits}g}"
     value = float(f"{value:.{digits}g}")

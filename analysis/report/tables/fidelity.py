@@ -8,7 +8,9 @@ __all__ = ["fidelity", "fidelity_sentences"]
 
 
 def fidelity_sentences(report: Report) -> tuple[str, ...]:
-    """What was asked, what it cost, and where it is not reached; nothing where the protocol wrote everything itself."""
+    """What was asked, what it cost, and where it is not reached; nothing where the protocol wrote
+    everything itself.
+    """
     found = report.fidelity
     if found is None:
         return ()
@@ -37,21 +39,37 @@ def _work(rows: CycleCounts) -> str:
 def fidelity(report: Report) -> Table:
     """The choice in each condition, its predicted error and what was skipped."""
     head = (
-        "id", "rows", "settle", "record", "as written", "resolved", "error, %", "of rows, %", "of settle, record, %",
-        "of noise, %", "met", "skipped",
-    )  # fmt: skip
+        "id",
+        "rows",
+        "settle",
+        "record",
+        "as written",
+        "resolved",
+        "error, %",
+        "of rows, %",
+        "of settle, record, %",
+        "of noise, %",
+        "met",
+        "skipped",
+    )
     found = report.fidelity
     if found is None:
         return Table("Fidelity", "", head, ())
     rows = tuple(
         (
-            Cell(row.id), *map(_whole, (row.rows, row.settle, row.record)),
-            Cell(_lengths(row, row.written)), Cell(_lengths(row, row.resolved)),
-            *(number(error, 2, 100) for error in (row.error, row.error_rows, row.error_window, row.error_noise)),
-            Cell("yes" if row.met else f"no: {row.why}"), Cell("; ".join(row.skipped)),
+            Cell(row.id),
+            *map(_whole, (row.rows, row.settle, row.record)),
+            Cell(_lengths(row, row.written)),
+            Cell(_lengths(row, row.resolved)),
+            *(
+                number(error, 2, 100)
+                for error in (row.error, row.error_rows, row.error_window, row.error_noise)
+            ),
+            Cell("yes" if row.met else f"no: {row.why}"),
+            Cell("; ".join(row.skipped)),
         )
         for row in found.conditions
-    )  # fmt: skip
+    )
     note = (
         f"Found for a tolerance of {100 * found.tolerance:g} %: rows per layer, cycles to settle and to record. "
         f"Rows may take {100 * found.rows_share:g} % of it; settling, record and noise share what they leave. The "

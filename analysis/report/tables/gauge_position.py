@@ -7,26 +7,43 @@ __all__ = ["at_box"]
 
 
 def at_box(report: Report) -> Table:
-    """W and apparent mass as read and as compensated; no rows where nothing is known of the stinger."""
+    """W and apparent mass as read and as compensated; no rows where nothing is known of the
+    stinger.
+    """
     rows = tuple(
         (
-            Cell(row.id), Cell(row.bed), Cell(row.gauge or ""), Cell(row.accelerometer or ""),
+            Cell(row.id),
+            Cell(row.bed),
+            Cell(row.gauge or ""),
+            Cell(row.accelerometer or ""),
             fixed(row.acceleration, 3),
-            number(row.W_exp, 4, 1e3), number(row.W_at_box, 4, 1e3),
-            fixed(_percent(row.W_exp, row.W_at_box), 2), number(row.M_eff, 5), number(row.M_eff_at_box, 5),
+            number(row.W_exp, 4, 1e3),
+            number(row.W_at_box, 4, 1e3),
+            fixed(_percent(row.W_exp, row.W_at_box), 2),
+            number(row.M_eff, 5),
+            number(row.M_eff_at_box, 5),
             fixed(_percent(row.M_eff, row.M_eff_at_box), 2),
         )
         for row in report.conditions
         if row.W_at_box is not None
-    )  # fmt: skip
+    )
     note = (
         "Compensated with what the rig file knows of the gauge's mass and of the stinger: W at the box holds no loss "
         "of the stinger, the apparent mass there none of the gauge. Every comparison here uses W_exp as read."
     )
     head = (
-        "id", "bed", "gauge at", "accelerometer at", "a, m/s²", "W_exp, mJ", "W at box, mJ", "as read, %", "M_eff, kg",
-        "M_eff at box, kg", "as read, %",
-    )  # fmt: skip
+        "id",
+        "bed",
+        "gauge at",
+        "accelerometer at",
+        "a, m/s²",
+        "W_exp, mJ",
+        "W at box, mJ",
+        "as read, %",
+        "M_eff, kg",
+        "M_eff at box, kg",
+        "as read, %",
+    )
     return Table("Place and mass of the gauge", note, head, rows)
 
 

@@ -1,4 +1,6 @@
-"""Tables of where an offset comes from: its terms in each condition, and the marks of every candidate cause."""
+"""Tables of where an offset comes from: its terms in each condition, and the marks of every
+candidate cause.
+"""
 
 import math
 
@@ -16,12 +18,16 @@ LOSSES = ("noise", "air", "gas", "guide friction", "cords")
 
 def offset_terms(report: Report) -> Table:
     """The offset of each condition, term by term."""
-    title, head = "Offset, term by term", ("id", "offset, %", *(f"{short_name(name)}, %" for name in TERMS))
+    title, head = (
+        "Offset, term by term",
+        ("id", "offset, %", *(f"{short_name(name)}, %" for name in TERMS)),
+    )
     told = [(row, row.offset_terms) for row in report.conditions if row.offset_terms is not None]
     if not told:
         return Table(title, "", head, ())
     rows = tuple(
-        (Cell(row.id), _percent(row.offset), *(_percent(value) for _, value in terms.named())) for row, terms in told
+        (Cell(row.id), _percent(row.offset), *(_percent(value) for _, value in terms.named()))
+        for row, terms in told
     )
     left = [(abs(terms.remainder), row.allowed_remainder or math.inf, row) for row, terms in told]
     remainder, allowed, worst = max(left, key=lambda each: each[0] / each[1])
@@ -49,13 +55,17 @@ def causes(report: Report) -> Table:
     shown = [row for row in told if row.in_run] if off else told
     rows = tuple(
         (
-            Cell(loss_name(row.cause, report)), Cell(row.law), Cell("yes" if row.in_run else "no, computed"),
-            _left(row.share, "run" if row.in_run else "computed"), *_powers(row.grows_with),
-            _left(row.empty, row.empty_from), _left(row.locked, row.locked_from),
+            Cell(loss_name(row.cause, report)),
+            Cell(row.law),
+            Cell("yes" if row.in_run else "no, computed"),
+            _left(row.share, "run" if row.in_run else "computed"),
+            *_powers(row.grows_with),
+            _left(row.empty, row.empty_from),
+            _left(row.locked, row.locked_from),
             Cell(" ".join(filter(None, (row.words, *_here(row, report))))),
         )
         for row in shown
-    )  # fmt: skip
+    )
     if off:
         note = (
             "What could put W_exp above W_T. All losses of the box are switched off in this run (losses: []), so that "

@@ -2,14 +2,33 @@
 
 from collections.abc import Sequence
 
-from analysis.report.tables.cells import UNBOUNDED, UNKNOWN, Cell, Table, fixed, number, significant, with_U
+from analysis.report.tables.cells import (
+    UNBOUNDED,
+    UNKNOWN,
+    Cell,
+    Table,
+    fixed,
+    number,
+    significant,
+    with_U,
+)
 from analysis.results.condition_row import ConditionRow, SourceRow
 from analysis.results.report import Report
 
 __all__ = [
-    "budget", "budget_of_W_T", "claims", "coil", "comparisons", "conditions", "flags", "instruments", "nulls",
-    "recorded", "references", "values",
-]  # fmt: skip
+    "budget",
+    "budget_of_W_T",
+    "claims",
+    "coil",
+    "comparisons",
+    "conditions",
+    "flags",
+    "instruments",
+    "nulls",
+    "recorded",
+    "references",
+    "values",
+]
 
 FEW = 6  # conditions that a note names
 
@@ -17,9 +36,21 @@ FEW = 6  # conditions that a note names
 def conditions(report: Report) -> Table:
     """The table of conditions."""
     known = (
-        "id", "grains", "fill, %", "a, m/s²", "W_exp ± U, mJ", "W_T ± U, mJ", "offset, %", "E_n", "E_n chain",
-        "detect, mJ", "eta ± U", "M_eff ± U, kg", "THD box, %", "bound, mJ",
-    )  # fmt: skip
+        "id",
+        "grains",
+        "fill, %",
+        "a, m/s²",
+        "W_exp ± U, mJ",
+        "W_T ± U, mJ",
+        "offset, %",
+        "E_n",
+        "E_n chain",
+        "detect, mJ",
+        "eta ± U",
+        "M_eff ± U, kg",
+        "THD box, %",
+        "bound, mJ",
+    )
     more = list(dict.fromkeys(name for row in report.conditions for name in row.varied))
     head = (*known[:2], *more, *known[2:])
     rows = []
@@ -27,22 +58,40 @@ def conditions(report: Report) -> Table:
         size = "" if row.diameter is None else f" {1e3 * row.diameter:g} mm"
         grains = f"{row.material}{size}" if row.bed not in ("empty", "dashpot") else ""
         bed = "" if row.bed == "unknown" else row.bed
-        fill = UNKNOWN if row.fill is None or row.bed == "empty" else Cell(f"{100 * row.fill:.4g}", row.fill)
+        fill = (
+            UNKNOWN
+            if row.fill is None or row.bed == "empty"
+            else Cell(f"{100 * row.fill:.4g}", row.fill)
+        )
         also = (Cell(row.varied.get(name, "")) for name in more)
-        rows.append((
-            Cell(row.id), Cell(f"{bed} {grains}".strip()), *also, fill, fixed(row.acceleration, 3),
-            with_U(row.W_exp, row.U_W_exp, 1e3), with_U(row.W_T, row.U_W_T, 1e3),
-            with_U(row.offset, row.U_offset, 100), fixed(row.E_n, 2), fixed(row.E_n_chain, 2),
-            number(row.W_detect, 2, 1e3), with_U(row.eta, row.U_eta), with_U(row.M_eff, row.U_M_eff),
-            number(row.thd_box, 2, 100), number(row.bound, 3, 1e3),
-        ))  # fmt: skip
+        rows.append(
+            (
+                Cell(row.id),
+                Cell(f"{bed} {grains}".strip()),
+                *also,
+                fill,
+                fixed(row.acceleration, 3),
+                with_U(row.W_exp, row.U_W_exp, 1e3),
+                with_U(row.W_T, row.U_W_T, 1e3),
+                with_U(row.offset, row.U_offset, 100),
+                fixed(row.E_n, 2),
+                fixed(row.E_n_truth, 2),
+                number(row.W_detect, 2, 1e3),
+                with_U(row.eta, row.U_eta),
+                with_U(row.M_eff, row.U_M_eff),
+                number(row.thd_box, 2, 100),
+                number(row.bound, 3, 1e3),
+            )
+        )
     note = (
         "Energies in mJ per cycle, means over the runs, expanded uncertainties for 95 %. The offset is left out where "
         "W_exp or W_T is below the detection limit or below U. E_n compares with the prediction, E_n chain with the "
         "rig's own ledger: within ±1 they agree."
     )
     impossible = [
-        row.id for row in report.conditions if row.bound is not None and (row.W_T_paper or 0) > row.bound * (1 + 1e-9)
+        row.id
+        for row in report.conditions
+        if row.bound is not None and (row.W_T_as_printed or 0) > row.bound * (1 + 1e-9)
     ]
     if impossible:
         many = f"{len(impossible)} of {len(report.conditions)} conditions"
@@ -64,36 +113,57 @@ def comparisons(report: Report) -> Table:
         "Three questions that are never mixed. Chain: do instruments and analysis read what was there? Prediction: is "
         "it what the formula gives? Model: is the formula right, as uncertain as its own parameters are?"
     )
-    return Table("Comparisons", note, ("comparison", "what", "conditions", "within U", "what it cannot tell"), rows)
+    return Table(
+        "Comparisons",
+        note,
+        ("comparison", "what", "conditions", "within U", "what it cannot tell"),
+        rows,
+    )
 
 
 def recorded(report: Report) -> Table:
-    """W_exp beside the predictions on a sine and on the recorded waveform; no rows where the latter was not made."""
+    """W_exp beside the predictions on a sine and on the recorded waveform; no rows where the latter
+    was not made.
+    """
     made = any(row.W_T_recorded for row in report.conditions)
     rows = tuple(
         (
-            Cell(row.id), fixed(row.acceleration, 3), number(row.thd_acceleration, 2, 100),
-            with_U(row.W_exp, row.U_W_exp, 1e3), number(row.W_T, 4, 1e3),
-            with_U(row.W_T_recorded, row.U_W_T_recorded, 1e3), with_U(row.offset, row.U_offset, 100),
-            with_U(row.offset_recorded, row.U_offset_recorded, 100), fixed(row.E_n_recorded, 2),
+            Cell(row.id),
+            fixed(row.acceleration, 3),
+            number(row.thd_acceleration, 2, 100),
+            with_U(row.W_exp, row.U_W_exp, 1e3),
+            number(row.W_T, 4, 1e3),
+            with_U(row.W_T_recorded, row.U_W_T_recorded, 1e3),
+            with_U(row.offset, row.U_offset, 100),
+            with_U(row.offset_recorded, row.U_offset_recorded, 100),
+            fixed(row.E_n_recorded, 2),
         )
         for row in report.conditions
         if made and row.W_T_recorded is not None
-    )  # fmt: skip
+    )
     note = (
         "W_T on the recorded waveform: the same bed driven by the box's measured acceleration, all of its band, in "
         "place of a sine of the same fundamental. What a distorted waveform changes is in it; what is left of the "
         "offset are the losses outside the bed and the scatter of the refills."
     )
     head = (
-        "id", "a, m/s²", "THD a, %", "W_exp ± U, mJ", "W_T sine, mJ", "W_T recorded ± U, mJ", "offset sine, %",
-        "offset recorded, %", "E_n recorded",
-    )  # fmt: skip
+        "id",
+        "a, m/s²",
+        "THD a, %",
+        "W_exp ± U, mJ",
+        "W_T sine, mJ",
+        "W_T recorded ± U, mJ",
+        "offset sine, %",
+        "offset recorded, %",
+        "E_n recorded",
+    )
     return Table("Recorded waveform", note, head, rows)
 
 
 def coil(report: Report) -> Table:
-    """Energies from the coil's current beside those from the gauge; no rows where it was not recorded."""
+    """Energies from the coil's current beside those from the gauge; no rows where it was not
+    recorded.
+    """
     rows = tuple(
         (
             Cell(row.id), fixed(row.acceleration, 3), with_U(row.W_exp, row.U_W_exp, 1e3),
@@ -121,10 +191,17 @@ def claims(report: Report) -> Table:
             Cell(row.why), Cell(", ".join(row.ties)),
         ))  # fmt: skip
         rows += [
-            (Cell(str(number_), number_), Cell(""), Cell(case.at), Cell(case.found), Cell(case.verdict),
-             Cell(case.why), Cell(", ".join(case.ties)))
+            (
+                Cell(str(number_), number_),
+                Cell(""),
+                Cell(case.at),
+                Cell(case.found),
+                Cell(case.verdict),
+                Cell(case.why),
+                Cell(", ".join(case.ties)),
+            )
             for case in row.cases
-        ]  # fmt: skip
+        ]
     note = (
         "What the protocol expects, with margins that stand in it, judged from ln W with the scatter of the repeats: a "
         "scale error cancels. Every “holds” is tested at 5 %; a claim over several cases holds where it holds in each. "
@@ -165,10 +242,22 @@ def references(report: Report) -> Table:
         "What is known without a model: rigid masses, a dashpot of known coefficient, the signs of both channels, and "
         "by the rig's own ledger the phase between them."
     )
-    return Table("References", note, ("reference", "of", "found ± U", "known", "unit", "verdict", "why"), rows)
+    return Table(
+        "References",
+        note,
+        ("reference", "of", "found ± U", "known", "unit", "verdict", "why"),
+        rows,
+    )
 
 
-BUDGET = ("source", "u", "sensitivity, mJ per unit", "degrees of freedom", "part, mJ", "share of u², %")
+BUDGET = (
+    "source",
+    "u",
+    "sensitivity, mJ per unit",
+    "degrees of freedom",
+    "part, mJ",
+    "share of u², %",
+)
 
 
 def budget(report: Report) -> Table:
@@ -234,7 +323,9 @@ def flags(report: Report) -> Table:
          Cell(_some(entry.runs)))
         for entry in report.flags
     ]  # fmt: skip
-    rows += [(Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry.why)) for entry in report.left_out]
+    rows += [
+        (Cell("left out"), Cell("–"), Cell("1", 1), Cell(entry.why)) for entry in report.left_out
+    ]
     note = (
         "“over_…” says that the exciter would have to give more than it can (used over limit in the second column); it "
         "fails nothing here. Peak and buckling go by the largest force: with fewer rows per layer than lie side by "
@@ -247,15 +338,28 @@ def instruments(report: Report) -> Table:
     """The channel table, certified values."""
     rows = tuple(
         (
-            Cell(row.channel), Cell(row.model), Cell(f"{1e3 * row.sensitivity:.5g} mV per {row.unit}"),
+            Cell(row.channel),
+            Cell(row.model),
+            Cell(f"{1e3 * row.sensitivity:.5g} mV per {row.unit}"),
             Cell("DC" if row.time_constant is None else f"{row.time_constant:g} s"),
-            _plain(100 * row.calibration_U), _plain(100 * row.gain_tolerance),
+            _plain(100 * row.calibration_U),
+            _plain(100 * row.gain_tolerance),
             Cell(f"{row.noise_rms:.2g} {row.unit}"),
         )
         for row in report.instruments
-    )  # fmt: skip
-    head = ("channel", "model", "sensitivity", "time constant", "U (k = 2), %", "gain tolerance, %", "noise rms")
-    return Table("Instruments", "Certified values; corrections use these and nothing else.", head, rows)
+    )
+    head = (
+        "channel",
+        "model",
+        "sensitivity",
+        "time constant",
+        "U (k = 2), %",
+        "gain tolerance, %",
+        "noise rms",
+    )
+    return Table(
+        "Instruments", "Certified values; corrections use these and nothing else.", head, rows
+    )
 
 
 def values(report: Report) -> Table:
@@ -268,7 +372,9 @@ def values(report: Report) -> Table:
         for row in report.assumed
     )  # fmt: skip
     note = "Every value that the rig file holds, with where it comes from; “assumed” ones are ours and can be changed."
-    return Table("Values behind the rig", note, ("value of", "value", "unit", "status", "source"), rows)
+    return Table(
+        "Values behind the rig", note, ("value of", "value", "unit", "status", "source"), rows
+    )
 
 
 def _plain(value: object) -> Cell:

@@ -24,8 +24,18 @@ def sweeps(report: Report) -> Table:
         "curve itself. "
         "No energy is stated: a swept cycle does not close.",
         (
-            "condition", "run", "bed", "rate, Hz/s", "largest a, m/s²", "at, Hz", "least a, m/s²", "at, Hz",
-            "least F, N", "at, Hz", "rate's shift of a, %", "of F, %",
+            "condition",
+            "run",
+            "bed",
+            "rate, Hz/s",
+            "largest a, m/s²",
+            "at, Hz",
+            "least a, m/s²",
+            "at, Hz",
+            "least F, N",
+            "at, Hz",
+            "rate's shift of a, %",
+            "of F, %",
         ),
         rows,
-    )  # fmt: skip
+    )

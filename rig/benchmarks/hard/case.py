@@ -90,7 +90,9 @@ class CaseOutcome:
     @property
     def held(self) -> bool:
         """Whether all requirements are met and the failure was really provoked."""
-        return bool(self.measured) and all(measure.held for measure in (*self.measured, *self.naive))
+        return bool(self.measured) and all(
+            measure.held for measure in (*self.measured, *self.naive)
+        )
 
 
 @dataclass(frozen=True)

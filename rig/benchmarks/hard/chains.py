@@ -23,7 +23,17 @@ def collapse() -> CaseOutcome:
     """Files of 4 to 20 grains with n (1 - e) from 3 to 4, thrown onto a wall: infinitely many hits
     in finite time.
     """
-    files = ((4, 0.2), (6, 0.4), (8, 0.5), (10, 0.6), (10, 0.69), (12, 0.7), (20, 0.8), (20, 0.84), (20, 0.85))
+    files = (
+        (4, 0.2),
+        (6, 0.4),
+        (8, 0.5),
+        (10, 0.6),
+        (10, 0.69),
+        (12, 0.7),
+        (20, 0.8),
+        (20, 0.84),
+        (20, 0.85),
+    )
     most, balance, least, flagged = 0, 0.0, 1.0, 0
     for n, e in files:
         after = chain_collision(np.ones(n), e, -1.0, restitution_wall=0.75)
@@ -36,7 +46,9 @@ def collapse() -> CaseOutcome:
     return CaseOutcome(
         measured=(
             at_most("energy that is neither left nor accounted for, as a fraction", balance, 1e-12),
-            at_least("fraction of the energy lost, least of the files (collapse loses all)", least, 0.9),
+            at_least(
+                "fraction of the energy lost, least of the files (collapse loses all)", least, 0.9
+            ),
             no_more("hits", most, 1e5),
             exactly("files that tell of elastic hits, of 9", flagged, 9.0),
             exactly(
@@ -64,7 +76,13 @@ def no_end() -> CaseOutcome:
         except TooManyHits:
             named += 1
     return CaseOutcome(
-        measured=(exactly(f"refused by name (TooManyHits after {MOST_HITS:.0e} hits or beforehand), of 3", named, 3.0),)
+        measured=(
+            exactly(
+                f"refused by name (TooManyHits after {MOST_HITS:.0e} hits or beforehand), of 3",
+                named,
+                3.0,
+            ),
+        )
     )
 
 
@@ -103,7 +121,9 @@ def extreme_chains() -> CaseOutcome:
         v = rng.standard_normal(n)
         walled = k % 2 == 0
         try:
-            after = chain_collision(mass, e, v, 0.5 if walled else None, gaps=rng.uniform(0.5, 1.5, n))
+            after = chain_collision(
+                mass, e, v, 0.5 if walled else None, gaps=rng.uniform(0.5, 1.5, n)
+            )
         except TooManyHits:
             given_up += 1
             continue
@@ -111,7 +131,9 @@ def extreme_chains() -> CaseOutcome:
         left = 0.5 * float(np.sum(mass * after.velocity**2))
         energy = max(energy, abs(left + after.loss + after.wall_loss - before) / before)
         if not walled:
-            momentum = max(momentum, abs(float(mass @ (after.velocity - v))) / float(mass @ np.abs(v)))
+            momentum = max(
+                momentum, abs(float(mass @ (after.velocity - v))) / float(mass @ np.abs(v))
+            )
         closing = max(closing, float(-np.diff(after.velocity).min()) / np.abs(v).max())
         most = max(most, after.hits)
     cradle = chain_collision(np.ones(50), 1.0, np.eye(50)[0])
@@ -120,10 +142,14 @@ def extreme_chains() -> CaseOutcome:
         measured=(
             at_most("energy that does not balance, as a fraction", energy, 1e-11),
             at_most("momentum gained, as a fraction", momentum, 1e-12),
-            at_most("neighbours that still close on each other, over the first speed", closing, 1e-11),
+            at_most(
+                "neighbours that still close on each other, over the first speed", closing, 1e-11
+            ),
             no_more("hits", most, MOST_HITS),
             no_more("given up by name, of 150", given_up, 3.0),
-            exactly("Newton's cradle of 50: largest departure from handing the velocity on", passed, 0.0),
+            exactly(
+                "Newton's cradle of 50: largest departure from handing the velocity on", passed, 0.0
+            ),
         )
     )
 
@@ -137,7 +163,11 @@ def _decimal_rebound(n: int, e: Decimal, e0: Decimal) -> tuple[Decimal, int]:
         still = Decimal("1e-12")
         while True:
             waits = [(-x[0] / v[0], 0)] if v[0] < -still else []
-            waits += [((x[k] - x[k - 1]) / (v[k - 1] - v[k]), k) for k in range(1, n) if v[k - 1] - v[k] > still]
+            waits += [
+                ((x[k] - x[k - 1]) / (v[k - 1] - v[k]), k)
+                for k in range(1, n)
+                if v[k - 1] - v[k] > still
+            ]
             if not waits:
                 return sum(v) / n, hits  # type: ignore[return-value]
             wait, k = min(waits)
@@ -158,10 +188,16 @@ CASES = (
         collapse,
     ),
     Case(
-        "files that cannot be followed", "an endless loop, or a number after the loop was cut", "a named error", no_end
+        "files that cannot be followed",
+        "an endless loop, or a number after the loop was cut",
+        "a named error",
+        no_end,
     ),
     Case(
-        "rows that do not collapse", "hits that come in the wrong order, energy left in", "e_row to round-off", rebound
+        "rows that do not collapse",
+        "hits that come in the wrong order, energy left in",
+        "e_row to round-off",
+        rebound,
     ),
     Case(
         "random files, mass ratio 1e6, e = 0 and 1",

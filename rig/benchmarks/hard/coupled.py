@@ -1,4 +1,4 @@
-"""Hard cases of the coupled drive: exciter, stinger, box and bed move each other
+"""Hard cases of the shaker-coupled drive: exciter, stinger, box and bed move each other
 (`rig.stand.shaker`).
 """
 
@@ -15,7 +15,7 @@ from rig.catalog.entries import Exciter, Rig
 from rig.catalog.rig_file import load_rig
 from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import VA, VB, XA, XB, Plant, V, X, propagator
-from rig.protocol.spec import Amplifier, Cavity, Drive, Grains, Layers, Scene, Slug
+from rig.protocol.spec import Amplifier, Cavity, Drive, Grains, Layers, Scene, SingleMass
 from rig.stand.box import box_mass
 from rig.stand.ledger import COUPLED_COLUMNS
 from rig.stand.shaker import CoupledStand
@@ -28,7 +28,14 @@ BED = Scene(grains=Grains(density=7900.0), losses=(), layers=Layers(rows=2))
 
 def stand(rig: Rig, scene: Scene, amplifier: Amplifier = "current", **more: object) -> CoupledStand:
     """Return a stand with the default drive at 20 Hz, everything at rest."""
-    return CoupledStand(scene, rig, Drive(mode="coupled", amplifier=amplifier), nominal(scene, rig), RATE, **more)  # type: ignore[arg-type]
+    return CoupledStand(
+        scene,
+        rig,
+        Drive(mode="shaker", amplifier=amplifier),
+        nominal(scene, rig),
+        RATE,
+        **more,  # type: ignore[arg-type]
+    )
 
 
 def column(ledger: Array, name: str) -> Array:
@@ -40,29 +47,46 @@ def stingers() -> CaseOutcome:
     """Stingers of 1e4 to 1e11 N/m: a locked bed against mechanical impedances, and layers that hit
     the box.
     """
-    rig = load_rig("default")
+    rig = load_rig("paper")
     response, closure, heat, gone = 0.0, 0.0, 0.0, 0
     locked = replace(BED, bed="locked")
-    load = box_mass(BED.cavity, rig.wall_density) + rig.gauge_mass + bed_mass(BED, rig.packing_shaken)
+    load = (
+        box_mass(BED.cavity, rig.wall_density) + rig.gauge_mass + bed_mass(BED, rig.packing_shaken)
+    )
     for stiffness in (1e4, 1e5, 1e8, 1e11):
         # The ringing of the stinger must have decayed when the response is read: 0.3 of critical
         # damping.
-        damping = 0.6 * math.sqrt(stiffness * (rig.exciter.moving_mass if stiffness > 1e6 else load))
+        damping = 0.6 * math.sqrt(
+            stiffness * (rig.exciter.moving_mass if stiffness > 1e6 else load)
+        )
         exciter = replace(
-            rig.exciter, stinger_stiffness=stiffness, stinger_damping=damping, isolation_damping_ratio=0.7
+            rig.exciter,
+            stinger_stiffness=stiffness,
+            stinger_damping=damping,
+            isolation_damping_ratio=0.7,
         )
         tested = stand(replace(rig, exciter=exciter), locked)
         tested.advance(Command((1.0 + 0j,), 20.0, 60))
         acceleration = tested.advance(Command((1.0 + 0j,), 20.0))[1]
-        found = np.fft.rfft(acceleration)[1] * 2.0 / acceleration.size * np.exp(-1j * math.pi / acceleration.size)
+        found = (
+            np.fft.rfft(acceleration)[1]
+            * 2.0
+            / acceleration.size
+            * np.exp(-1j * math.pi / acceleration.size)
+        )
         response = max(response, abs(found / _by_impedances(exciter, load, 20.0) - 1.0))
         gone += not np.isfinite(acceleration).all()
         hit = stand(replace(rig, exciter=exciter), BED)
         gone += not np.isfinite(hit.advance(Command((15.0 + 0j,), 20.0, 6))).all()
         ledger = hit.drain_ledger()
-        closure = max(closure, *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")))
+        closure = max(
+            closure,
+            *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")),
+        )
         electric = np.abs(column(ledger, "W_electric")).max()
-        heat = max(heat, float(-min(column(ledger, "W_f").min(), column(ledger, "W_c").min()) / electric))
+        heat = max(
+            heat, float(-min(column(ledger, "W_f").min(), column(ledger, "W_c").min()) / electric)
+        )
     return CaseOutcome(
         measured=(
             at_most("box acceleration per ampere against impedances, relative", response, 1e-3),
@@ -70,20 +94,27 @@ def stingers() -> CaseOutcome:
             at_most("closure of both accounts with layers", closure, 1e-6),
             at_most("most negative loss over the electric work", heat, 1e-6),
         ),
-        naive=(at_least("semi-implicit steps, 4096 per cycle, 1e11 N/m: growth per step", _growth(1e11), 2.0),),
+        naive=(
+            at_least(
+                "semi-implicit steps, 4096 per cycle, 1e11 N/m: growth per step", _growth(1e11), 2.0
+            ),
+        ),
     )
 
 
 def stability() -> CaseOutcome:
     """The linear system without damping, in steps of 0.1 to 1e3 rad of its fastest mode."""
-    rig = load_rig("default")
+    rig = load_rig("paper")
     near, far = 0.0, 0.0
     for turn in (0.1, 1.99, 2.0, 2.01, 20.0, 1e3):
         interval = turn / math.sqrt(rig.exciter.stinger_stiffness / rig.exciter.moving_mass)
         plant = replace(
-            Plant.of(rig.exciter, 50.0), force_constant=0.0, flexure_damping=0.0, stinger_damping=0.0,
+            Plant.of(rig.exciter, 50.0),
+            force_constant=0.0,
+            flexure_damping=0.0,
+            stinger_damping=0.0,
             isolation_damping=0.0,
-        )  # fmt: skip
+        )
         step = propagator(plant, interval, 1).phi[0]
         y = np.zeros(7)
         y[[XA, VA, X, V, XB, VB]] = 1e-4, 0.1, -1e-4, 0.05, 2e-4, -0.02
@@ -113,20 +144,29 @@ def limited() -> CaseOutcome:
     """Commands far beyond the exciter, by voltage and by current: the amplifier stays at its limits
     and flags it.
     """
-    rig = load_rig("default")
+    rig = load_rig("paper")
     over, closure, clipped, told, gone = 0.0, 0.0, 1.0, 0, 0
-    for amplifier, command, peak in (("voltage", 500.0, 60.0), ("current", 50.0, 8.0), ("current", 100.0, 8.0)):
+    for amplifier, command, peak in (
+        ("voltage", 500.0, 60.0),
+        ("current", 50.0, 8.0),
+        ("current", 100.0, 8.0),
+    ):
         weak = replace(rig, exciter=replace(rig.exciter, voltage_peak=peak))
         tested = stand(weak, BED, amplifier, names=("voltage", "current"))  # type: ignore[arg-type]
         tested.advance(Command((command + 0j,), 20.0, 2))
         out = tested.advance(Command((command + 0j,), 20.0, 6))
         gone += not np.isfinite(out).all()
         limits = tested.limits[2:]
-        over = max(over, *(float(x) for x in np.abs(out).max(axis=1) / (peak, weak.exciter.current_peak)))
+        over = max(
+            over, *(float(x) for x in np.abs(out).max(axis=1) / (peak, weak.exciter.current_peak))
+        )
         clipped = min(clipped, *(one.clipped for one in limits))
         told += all(one.clipped > 0.0 for one in limits)
         ledger = tested.drain_ledger()
-        closure = max(closure, *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")))
+        closure = max(
+            closure,
+            *(float(np.abs(column(ledger, c)[1:]).max()) for c in ("closure", "closure_exciter")),
+        )
     absurd = stand(replace(rig, exciter=replace(rig.exciter, voltage_peak=8.0)), BED)
     absurd.advance(Command((1e6 + 0j,), 20.0, 3))
     return CaseOutcome(
@@ -151,8 +191,10 @@ def limited() -> CaseOutcome:
 
 def long_run() -> CaseOutcome:
     """1000 cycles of two layers with one row each: the energy balance at the gauge, summed."""
-    rig = load_rig("default")
-    scene = replace(BED, grains=replace(BED.grains, fill=0.05, diameter=0.01), layers=Layers(rows=1))
+    rig = load_rig("paper")
+    scene = replace(
+        BED, grains=replace(BED.grains, fill=0.05, diameter=0.01), layers=Layers(rows=1)
+    )
     tested = stand(rig, scene)
     ledgers = []
     for _ in range(100):
@@ -162,24 +204,40 @@ def long_run() -> CaseOutcome:
     electric = column(ledger, "W_electric")
     return CaseOutcome(
         measured=(
-            at_most("drift of the sum at the gauge over the electric work", abs(_left(ledger)) / electric.sum(), 1e-9),
-            exactly("cycles with a value that is not finite", int((~np.isfinite(ledger).all(axis=1)).sum()), 0.0),
-            at_most("closure of any cycle after the first", np.abs(column(ledger, "closure")[1:]).max(), 1e-6),
+            at_most(
+                "drift of the sum at the gauge over the electric work",
+                abs(_left(ledger)) / electric.sum(),
+                1e-9,
+            ),
+            exactly(
+                "cycles with a value that is not finite",
+                int((~np.isfinite(ledger).all(axis=1)).sum()),
+                0.0,
+            ),
+            at_most(
+                "closure of any cycle after the first",
+                np.abs(column(ledger, "closure")[1:]).max(),
+                1e-6,
+            ),
         )
     )
 
 
 def floor() -> CaseOutcome:
-    """A plastic slug of 46 g thrown by a 12 kg box at 2.4 g once a cycle, without a lid and with
-    one out of reach.
+    """A plastic single mass of 46 g thrown by a 12 kg box at 2.4 g once a cycle, without a lid and
+    with one out of reach.
     """
-    rig, cycles = load_rig("default"), 200
+    rig, cycles = load_rig("paper"), 200
     made = {}
     for gap in (0.2, "none"):
         scene = Scene(
-            bed="slug", axis="vertical", grains=Grains(density=3400.0, fill=0.1, diameter=2e-3), losses=(),
-            cavity=Cavity(length=0.06, width=0.06, height=0.06, wall=0.03), slug=Slug(gap=gap),
-        )  # fmt: skip
+            bed="single_mass",
+            axis="vertical",
+            grains=Grains(density=3400.0, fill=0.1, diameter=2e-3),
+            losses=(),
+            cavity=Cavity(length=0.06, width=0.06, height=0.06, wall=0.03),
+            single_mass=SingleMass(gap=gap),
+        )
         tested = stand(rig, scene)
         tested.advance(Command((25.0 + 0j,), 20.0, cycles))
         made[gap] = tested.drain_ledger()
@@ -188,8 +246,14 @@ def floor() -> CaseOutcome:
     return CaseOutcome(
         measured=(
             at_least("landings of the last cycle, J", taken, 1e-3),
-            at_most("without a lid: relative difference", abs(column(free, "W_c")[-1] / taken - 1.0), 1e-6),
-            exactly("friction of a slug that has none, J", np.abs(column(free, "W_f")).max(), 0.0),
+            at_most(
+                "without a lid: relative difference",
+                abs(column(free, "W_c")[-1] / taken - 1.0),
+                1e-6,
+            ),
+            exactly(
+                "friction of a single mass that has none, J", np.abs(column(free, "W_f")).max(), 0.0
+            ),
             at_most(
                 "drift of the sum over the work at the gauge",
                 abs(_left(free)) / np.abs(column(free, "W_gauge")).sum(),
@@ -217,7 +281,9 @@ def _by_impedances(e: Exciter, load: float, f: float) -> complex:
     pull = s * load
     armature = 1.0 + pull / (e.stinger_stiffness / s + e.stinger_damping)
     on_body = pull + s * e.moving_mass * armature
-    body = -on_body / (s * e.body_mass + spring(e.isolation_stiffness, e.isolation_damping_ratio, e.body_mass))
+    body = -on_body / (
+        s * e.body_mass + spring(e.isolation_stiffness, e.isolation_damping_ratio, e.body_mass)
+    )
     flexure = spring(e.flexure_stiffness, e.flexure_damping_ratio, e.moving_mass)
     return complex(s * e.force_constant / (on_body + flexure * (armature - body)))
 
@@ -225,9 +291,13 @@ def _by_impedances(e: Exciter, load: float, f: float) -> complex:
 def _energy(p: Plant, y: Array) -> float:
     """Return the mechanical energy of the linear system, J."""
     return 0.5 * float(
-        p.armature * y[VA] ** 2 + p.body * y[VB] ** 2 + p.box * y[V] ** 2 + p.flexure * (y[XA] - y[XB]) ** 2
-        + p.stinger * (y[XA] - y[X]) ** 2 + p.isolation * y[XB] ** 2
-    )  # fmt: skip
+        p.armature * y[VA] ** 2
+        + p.body * y[VB] ** 2
+        + p.box * y[V] ** 2
+        + p.flexure * (y[XA] - y[XB]) ** 2
+        + p.stinger * (y[XA] - y[X]) ** 2
+        + p.isolation * y[XB] ** 2
+    )
 
 
 def _growth(stiffness: float) -> float:
@@ -258,9 +328,14 @@ CASES = (
         "held at the limit, flagged, accounts close",
         limited,
     ),
-    Case("1000 coupled cycles", "energy that leaks step by step", "the account closes in the sum", long_run),
     Case(
-        "slug on the floor of a coupled box",
+        "1000 coupled cycles",
+        "energy that leaks step by step",
+        "the account closes in the sum",
+        long_run,
+    ),
+    Case(
+        "single mass on the floor of a coupled box",
         "a floor that holds what has left it; weight that the account forgets",
         "it lands as under a lid out of reach; the account closes in the sum",
         floor,

@@ -44,7 +44,10 @@ def root(function: Function, low: Decimal, high: Decimal) -> Decimal:
     if f_low * f_high > 0:
         raise ArithmeticError("no change of sign in the bracket")
     while high - low > TINY:
-        for at in ((low * f_high - high * f_low) / (f_high - f_low) if f_high != f_low else low, (low + high) / 2):
+        for at in (
+            (low * f_high - high * f_low) / (f_high - f_low) if f_high != f_low else low,
+            (low + high) / 2,
+        ):
             if not low < at < high:
                 continue
             value = function(at)
@@ -69,7 +72,12 @@ class Flight(NamedTuple):
         """Return u at a phase: u0 + (z0 + cos t0)(t - t0) - (sin t - sin t0) - c (t - t0)^2/2."""
         cos0, sin0 = cosine_and_sine(self.t0)
         past = t - self.t0
-        return self.u + (self.z + cos0) * past - (cosine_and_sine(t)[1] - sin0) - self.c * past * past / 2
+        return (
+            self.u
+            + (self.z + cos0) * past
+            - (cosine_and_sine(t)[1] - sin0)
+            - self.c * past * past / 2
+        )
 
     def velocity(self, t: Decimal) -> Decimal:
         """Return z at a phase: z0 + cos t0 - cos t - c (t - t0)."""
@@ -84,7 +92,9 @@ class Flight(NamedTuple):
         while t < last:
             after = min(t + step, last)
             if function(after) <= 0:
-                return root(function, t if t > self.t0 else self.t0 + (after - self.t0) / 2**20, after)
+                return root(
+                    function, t if t > self.t0 else self.t0 + (after - self.t0) / 2**20, after
+                )
             t = after
         return None
 
@@ -136,9 +146,9 @@ def arcsine(x: Decimal) -> Decimal:
 STEP = Decimal("0.05")
 
 
-def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
+def plastic_row(band: Decimal, clearance: Decimal, cycles: int) -> list[Decimal]:
     """Return the energy lost per mass in each cycle by a row with friction `band` > 0 in a free
-    play, plastic at both ends.
+    clearance, plastic at both ends.
 
     From rest at u = 0 it waits for a push beyond the band, slides, and stops where z = 0 or at an
     end wall.
@@ -154,13 +164,21 @@ def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
             s = Decimal(1)
         elif PI + up < turn < 2 * PI - up:
             s = Decimal(-1)
-        if s == 0 or (s > 0 and u == play) or (s < 0 and u == 0):
-            t += next(phase for phase in (up, PI + up, 2 * PI + up, 3 * PI + up) if phase > turn) - turn + TINY
+        if s == 0 or (s > 0 and u == clearance) or (s < 0 and u == 0):
+            t += (
+                next(phase for phase in (up, PI + up, 2 * PI + up, 3 * PI + up) if phase > turn)
+                - turn
+                + TINY
+            )
             continue
         flight = Flight(t, u, Decimal(0), s * band)
-        wall = play if s > 0 else Decimal(0)
+        wall = clearance if s > 0 else Decimal(0)
         stop = flight.first(lambda at, f=flight, s=s: s * f.velocity(at), STEP, t + 4 * PI)  # type: ignore[misc]
-        hit = flight.first(lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)), STEP, stop or t + 4 * PI)  # type: ignore[misc]
+        hit = flight.first(
+            lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)),
+            STEP,
+            stop or t + 4 * PI,  # type: ignore[misc]
+        )
         t = end if stop is None else stop
         if hit is not None:
             t = hit
@@ -174,8 +192,8 @@ def plastic_row(band: Decimal, play: Decimal, cycles: int) -> list[Decimal]:
 
 
 class Landed(NamedTuple):
-    """A slug after some cycles: the energy lost in each, and its height and velocity at the end (0,
-    0: at rest).
+    """A single mass after some cycles: the energy lost in each, and its height and velocity at the
+    end (0, 0: at rest).
     """
 
     lost: list[Decimal]
@@ -183,8 +201,8 @@ class Landed(NamedTuple):
     z: Decimal
 
 
-def slug_on_floor(weight: Decimal, cycles: int, u: Decimal, z: Decimal) -> Landed:
-    """Return the motion of a plastic slug over a floor without a lid, weight < 1.
+def single_mass_on_floor(weight: Decimal, cycles: int, u: Decimal, z: Decimal) -> Landed:
+    """Return the motion of a plastic single mass over a floor without a lid, weight < 1.
 
     u, z: height and velocity at phase 0 (0, 0: at rest).
     """
@@ -192,7 +210,7 @@ def slug_on_floor(weight: Decimal, cycles: int, u: Decimal, z: Decimal) -> Lande
     t, lost = Decimal(0), [Decimal(0) for _ in range(cycles)]
     up = arcsine(weight)
     while t < end:
-        # Rest of the time in which the floor accelerates away faster than the slug can fall.
+        # Rest of the time in which the floor accelerates away faster than the single mass can fall.
         left = PI - up - (t - 2 * PI * (t // (2 * PI)) + TINY)
         if u == 0 and z == 0 and not 0 < left < PI - 2 * up:
             t += left + 2 * up - PI + TINY if left >= PI - 2 * up else left + PI + 2 * up + TINY

@@ -10,7 +10,7 @@ from rig.beds.bed import Bed
 from rig.beds.janssen_stack import Stack
 from rig.beds.layers import LayersBed
 from rig.beds.rigid import DashpotBed, LockedBed
-from rig.beds.single_mass import SlugBed
+from rig.beds.single_mass import SingleMassBed
 from rig.benchmarks.hard.case import Case, CaseOutcome, Measure, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
 from rig.theory.single_mass import SingleMass
@@ -43,11 +43,13 @@ def account(bed: Bed, cycles: int = CYCLES) -> tuple[float, float, Array]:
     return left / scale, kinetic, np.concatenate(lost)
 
 
-def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...], motion: Waveform) -> LayersBed:
-    """Return rows of 1 kg: thresholds in levels, plays in amplitudes."""
+def layers(
+    restitution: float, band: tuple[float, ...], clearance: tuple[float, ...], motion: Waveform
+) -> LayersBed:
+    """Return rows of 1 kg: thresholds in levels, clearances in amplitudes."""
     rows = Stack(
         threshold=np.array(band) * motion.acceleration,
-        play=np.tile(np.array(play) * motion.length_unit, (len(band), 1)),
+        clearance=np.tile(np.array(clearance) * motion.length_unit, (len(band), 1)),
         row_mass=1.0,
         carried_mass=1.0,
         restitution=restitution,
@@ -55,11 +57,15 @@ def layers(restitution: float, band: tuple[float, ...], play: tuple[float, ...],
     return LayersBed(rows, Sampling(motion, 8.0))
 
 
-def slug(gap: float, weight: float, friction: float, restitution: float, motion: Waveform) -> SlugBed:
-    """Return a slug of 1 kg: gap in amplitudes, weight and friction in levels."""
+def single_mass(
+    gap: float, weight: float, friction: float, restitution: float, motion: Waveform
+) -> SingleMassBed:
+    """Return a single mass of 1 kg: gap in amplitudes, weight and friction in levels."""
     low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
-    return SlugBed(
-        SingleMass(1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0),
+    return SingleMassBed(
+        SingleMass(
+            1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0
+        ),
         Sampling(motion, 8.0),
     )
 
@@ -72,11 +78,17 @@ BEDS: tuple[tuple[str, Callable[[], Bed]], ...] = (
     ("layers, plastic, no period", lambda: layers(0.0, (0.02, 0.1), (4.1, 6.3), DISTORTED)),
     ("layers, e_row = .25", lambda: layers(0.25, (0.02, 0.3), (0.5, 3.0), DISTORTED)),
     ("layers, e_row = .75, no friction", lambda: layers(0.75, (0.0,), (1.0, 5.0), PURE)),
-    ("slug, plastic, vertical, period 1", lambda: slug(math.inf, 0.4, 0.0, 0.0, PURE)),
-    ("slug, plastic, vertical, distorted", lambda: slug(math.inf, 0.14, 0.0, 0.0, DISTORTED)),
-    ("slug, e = .6, with a lid", lambda: slug(3.0, 0.3, 0.0, 0.6, DISTORTED)),
-    ("slug, e = .9, no weight", lambda: slug(4.0, 0.0, 0.0, 0.9, PURE)),
-    ("slug, rough floor", lambda: slug(math.inf, 0.0, 0.3, 0.0, DISTORTED)),
+    (
+        "single mass, plastic, vertical, period 1",
+        lambda: single_mass(math.inf, 0.4, 0.0, 0.0, PURE),
+    ),
+    (
+        "single mass, plastic, vertical, distorted",
+        lambda: single_mass(math.inf, 0.14, 0.0, 0.0, DISTORTED),
+    ),
+    ("single mass, e = .6, with a lid", lambda: single_mass(3.0, 0.3, 0.0, 0.6, DISTORTED)),
+    ("single mass, e = .9, no weight", lambda: single_mass(4.0, 0.0, 0.0, 0.9, PURE)),
+    ("single mass, rough floor", lambda: single_mass(math.inf, 0.0, 0.3, 0.0, DISTORTED)),
 )
 
 
@@ -87,7 +99,11 @@ def long_run() -> CaseOutcome:
         drift, kinetic, lost = account(make())
         measures.append(at_most(f"{name}: drift over the work done", drift, 1e-9))
         if "period 1" in name or name in ("empty", "locked", "dashpot"):
-            measures.append(exactly(f"{name}: first 1000 settled cycles less the last 1000, J", _ends(lost), 0.0))
+            measures.append(
+                exactly(
+                    f"{name}: first 1000 settled cycles less the last 1000, J", _ends(lost), 0.0
+                )
+            )
         if not math.isfinite(kinetic):
             measures.append(at_most(f"{name}: kinetic energy", kinetic, math.inf))
     return CaseOutcome(measured=tuple(measures))

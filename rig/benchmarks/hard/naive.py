@@ -56,9 +56,9 @@ def false_contacts(eta: float, samples: int) -> float:
     return float(np.mean(gap <= 0.0))
 
 
-def slug(level: float, steps: int, cycles: int) -> float:
-    """Return the loss per cycle of a plastic slug on a floor, units m A^2/w^2, by semi-implicit
-    steps: it is put down where u < 0.
+def single_mass(level: float, steps: int, cycles: int) -> float:
+    """Return the loss per cycle of a plastic single mass on a floor, units m A^2/w^2, by
+    semi-implicit steps: it is put down where u < 0.
     """
     h = 2.0 * math.pi / steps
     u, z, lost = 0.0, 0.0, 0.0

@@ -28,8 +28,12 @@ def degenerate() -> CaseOutcome:
     here = np.zeros((1, 3))
     nowhere = normals(here, here)
     away = collide(Bodies(1.0, [[1.0, 2.0, 3.0]]), Bodies(2.0, here), nowhere, Contact(0.5, 0.3))
-    straight = collide(Bodies(1.0, [[0.0, 0.0, 1.0]]), Bodies(1.0, here), vertical[:1], Contact(0.65, 0.25))
-    passing = collide(Bodies(1.0, [[0.0, 1.0, 0.0]]), Bodies(1.0, here), vertical[:1], Contact(0.65, 2.0))
+    straight = collide(
+        Bodies(1.0, [[0.0, 0.0, 1.0]]), Bodies(1.0, here), vertical[:1], Contact(0.65, 0.25)
+    )
+    passing = collide(
+        Bodies(1.0, [[0.0, 1.0, 0.0]]), Bodies(1.0, here), vertical[:1], Contact(0.65, 2.0)
+    )
     printed_axes = literal.local_axes(vertical)
     printed = literal.collide(1.0, 1.0, 0.65, 0.25, np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]))
     return CaseOutcome(
@@ -40,12 +44,24 @@ def degenerate() -> CaseOutcome:
                 1e-15,
             ),
             exactly("impulse between coincident centres", np.abs(away.impulse).max(), 0.0),
-            exactly("sideways velocity out of no slip", np.abs(straight.velocity1[0, :2]).max(), 0.0),
-            exactly("impulse and loss of a grazing pass", np.abs(passing.impulse).max() + passing.loss.max(), 0.0),
+            exactly(
+                "sideways velocity out of no slip", np.abs(straight.velocity1[0, :2]).max(), 0.0
+            ),
+            exactly(
+                "impulse and loss of a grazing pass",
+                np.abs(passing.impulse).max() + passing.loss.max(),
+                0.0,
+            ),
         ),
         naive=(
-            exactly("eq 7: axes that are not numbers, of 2", np.isnan(printed_axes).any((1, 2)).sum(), 2.0),
-            at_least("eq 9: velocity made from no slip, m/s", np.abs(printed[0, [1, 2]]).max(), 0.04),
+            exactly(
+                "eq 7: axes that are not numbers, of 2",
+                np.isnan(printed_axes).any((1, 2)).sum(),
+                2.0,
+            ),
+            at_least(
+                "eq 9: velocity made from no slip, m/s", np.abs(printed[0, [1, 2]]).max(), 0.04
+            ),
         ),
     )
 
@@ -61,7 +77,10 @@ def mass_ratio() -> CaseOutcome:
         after = _head_on(1.0, m2, velocities, e)
         v1, v2, loss = _rational(Fraction(1), Fraction(m2), velocities, e)
         found = (after.velocity1[0, 0], after.velocity2[0, 0])
-        worst = max(worst, *(float(abs(Fraction(a) - b)) / 2.0 for a, b in zip(found, (v1, v2), strict=True)))
+        worst = max(
+            worst,
+            *(float(abs(Fraction(a) - b)) / 2.0 for a, b in zip(found, (v1, v2), strict=True)),
+        )
         if loss:
             loss_error = max(loss_error, float(abs(Fraction(after.loss[0]) / loss - 1)))
     infinite = _head_on(1.0, np.inf, velocities, 0.65)
@@ -70,12 +89,24 @@ def mass_ratio() -> CaseOutcome:
     condition = float(np.linalg.cond(literal.matrices(m1, mass2, restitution, 0.0, 0.0)[0]).max())
     return CaseOutcome(
         measured=(
-            at_most("error of the velocities over the closing speed, exact fractions", worst, 1e-15),
+            at_most(
+                "error of the velocities over the closing speed, exact fractions", worst, 1e-15
+            ),
             at_most("relative error of the loss, exact fractions", loss_error, 1e-15),
-            at_most("velocity off an infinite mass, the wall's law", abs(infinite.velocity1[0, 0] - limit), 1e-15),
-            exactly("velocity of the infinite mass changed by", infinite.velocity2[0, 0] - velocities[1], 0.0),
+            at_most(
+                "velocity off an infinite mass, the wall's law",
+                abs(infinite.velocity1[0, 0] - limit),
+                1e-15,
+            ),
+            exactly(
+                "velocity of the infinite mass changed by",
+                infinite.velocity2[0, 0] - velocities[1],
+                0.0,
+            ),
         ),
-        naive=(at_least("eq 10: condition number of the 6 x 6 system, ratios to 1e6", condition, 1e6),),
+        naive=(
+            at_least("eq 10: condition number of the 6 x 6 system, ratios to 1e6", condition, 1e6),
+        ),
     )
 
 
@@ -86,20 +117,31 @@ def limits_of_coefficients() -> CaseOutcome:
     rng = stream(SEED, "hard", "limits")
     count = 4000
     gained, turned, parted = -np.inf, 0.0, 0.0
-    for e, mu, b0, spins in product((0.0, 1.0), (0.0, 0.25, 1.0, 10.0, 1e6), (0.0, 1.0), (False, True)):
+    for e, mu, b0, spins in product(
+        (0.0, 1.0), (0.0, 0.25, 1.0, 10.0, 1e6), (0.0, 1.0), (False, True)
+    ):
         one, two, normal = _random_pairs(rng, count, spins)
         after = collide(one, two, normal, Contact(e, mu, b0))
         before = _energy(one, one.velocity, one.spin) + _energy(two, two.velocity, two.spin)
-        later = _energy(one, after.velocity1, after.spin1) + _energy(two, after.velocity2, after.spin2)
+        later = _energy(one, after.velocity1, after.spin1) + _energy(
+            two, after.velocity2, after.spin2
+        )
         gained = max(gained, float(((later - before) / before).max()))
         closing = np.einsum("ij,ij->i", np.asarray(one.velocity) - two.velocity, normal)
         leaving = np.einsum("ij,ij->i", after.velocity1 - after.velocity2, normal)
         hit = closing > 0.0
-        parted = max(parted, float((np.abs(leaving + e * closing)[hit] / np.abs(closing)[hit].max()).max()))
+        parted = max(
+            parted, float((np.abs(leaving + e * closing)[hit] / np.abs(closing)[hit].max()).max())
+        )
         if not spins and b0 == 0.0:
             slip = (np.asarray(one.velocity) - two.velocity) - closing[:, None] * normal
             kept = (after.velocity1 - after.velocity2) - leaving[:, None] * normal
-            turned = max(turned, float((-np.einsum("ij,ij->i", slip, kept) / np.einsum("ij,ij->i", slip, slip)).max()))
+            turned = max(
+                turned,
+                float(
+                    (-np.einsum("ij,ij->i", slip, kept) / np.einsum("ij,ij->i", slip, slip)).max()
+                ),
+            )
     m1, m2, e_any, mu_any, v = random_hits(stream(SEED, "hard", "printed"), 20_000, 1e3, 2.0)
     printed = literal.collide(m1, m2, e_any, mu_any, v)
     ratio = literal.kinetic_energy(m1, m2, printed) / literal.kinetic_energy(m1, m2, v)
@@ -110,7 +152,9 @@ def limits_of_coefficients() -> CaseOutcome:
             at_most("slip turned against itself, as a fraction", turned, 1e-13),
         ),
         naive=(
-            at_least("eq 11: fraction of hits that gain energy", float((ratio > 1.0 + 1e-12).mean()), 0.5),
+            at_least(
+                "eq 11: fraction of hits that gain energy", float((ratio > 1.0 + 1e-12).mean()), 0.5
+            ),
             at_least("eq 11: energy after over before, worst", float(ratio.max()), 1e2),
         ),
     )
@@ -163,18 +207,26 @@ def moving_wall() -> CaseOutcome:
     v = rng.standard_normal((count, 3))
     wall = np.zeros((count, 3))
     wall[:, 0] = speed
-    after = collide(Bodies(1.0, v), Bodies(np.inf, wall), np.tile(UNIT[0], (count, 1)), Contact(e, 0.3))
+    after = collide(
+        Bodies(1.0, v), Bodies(np.inf, wall), np.tile(UNIT[0], (count, 1)), Contact(e, 0.3)
+    )
     gain = 0.5 * np.sum(after.velocity1**2 - v**2, axis=1)
     work = -np.einsum("ij,ij->i", after.impulse, wall)
     hit = after.impulse[:, 0] > 0.0
     return CaseOutcome(
         measured=(
-            at_most("work of the wall less gain and loss, J of 1 kg", np.abs(work - gain - after.loss).max(), 1e-13),
+            at_most(
+                "work of the wall less gain and loss, J of 1 kg",
+                np.abs(work - gain - after.loss).max(),
+                1e-13,
+            ),
             at_most("most negative loss, J", -after.loss.min(), 0.0),
         ),
         naive=(
             at_least(
-                "fraction of hits whose loss is negative in the laboratory's frame", float((gain[hit] > 0).mean()), 0.2
+                "fraction of hits whose loss is negative in the laboratory's frame",
+                float((gain[hit] > 0).mean()),
+                0.2,
             ),
         ),
     )
@@ -185,7 +237,9 @@ def _head_on(m1: float, m2: float, v: tuple[float, float], e: float) -> collisio
     return collide(first, second, UNIT[:1], Contact(e))
 
 
-def _rational(m1: Fraction, m2: Fraction, v: tuple[float, float], e: float) -> tuple[Fraction, Fraction, Fraction]:
+def _rational(
+    m1: Fraction, m2: Fraction, v: tuple[float, float], e: float
+) -> tuple[Fraction, Fraction, Fraction]:
     """Return the velocities after a head-on hit and the energy lost, exactly, from momentum,
     restitution and energies.
     """
@@ -196,7 +250,9 @@ def _rational(m1: Fraction, m2: Fraction, v: tuple[float, float], e: float) -> t
     return *after, loss
 
 
-def _random_pairs(rng: np.random.Generator, count: int, spins: bool) -> tuple[Bodies, Bodies, Array]:
+def _random_pairs(
+    rng: np.random.Generator, count: int, spins: bool
+) -> tuple[Bodies, Bodies, Array]:
     normal = rng.standard_normal((count, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     normal[: count // 10] = UNIT[2]

@@ -11,7 +11,16 @@ from daq.random_streams import stream
 from rig.benchmarks.hard import naive
 from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, exactly, no_more
 from rig.benchmarks.hard.exact import PI, STEP, Flight, arcsine, bounces, precise
-from rig.benchmarks.hard.sliders import SINE, STUCK, Wave, block, closed_form, followed, one_row, steady
+from rig.benchmarks.hard.sliders import (
+    SINE,
+    STUCK,
+    Wave,
+    block,
+    closed_form,
+    followed,
+    one_row,
+    steady,
+)
 from rig.kernels.rows.many_rows import steady_energy
 from rig.kernels.rows.one_row import MAX_EVENTS
 from rig.kernels.waveform import extrema, motion
@@ -21,17 +30,31 @@ SEED = 2015
 
 
 def zeno() -> CaseOutcome:
-    """Rows that bounce to rest on the wall they are pressed against: e = .25 to .9, plays 1e-9 to
-    .1 X.
+    """Rows that bounce to rest on the wall they are pressed against: e = .25 to .9, clearances 1e-9
+    to .1 X.
     """
     lost, phase, most = 0.0, 0.0, 0
-    for play, e in ((0.1, 0.25), (0.1, 0.5), (0.01, 0.75), (1e-3, 0.75), (1e-3, 0.9), (1e-6, 0.5), (1e-9, 0.75)):
+    for clearance, e in (
+        (0.1, 0.25),
+        (0.1, 0.5),
+        (0.01, 0.75),
+        (1e-3, 0.75),
+        (1e-3, 0.9),
+        (1e-6, 0.5),
+        (1e-9, 0.75),
+    ):
         with precise():
             flight = Flight(Decimal(0), Decimal(0), Decimal(0), Decimal(0))
-            hit = flight.first(lambda t, f=flight, p=Decimal(play): p - f.position(t), STEP, PI)  # type: ignore[misc]
+            hit = flight.first(
+                lambda t, f=flight, p=Decimal(clearance): p - f.position(t),
+                STEP,
+                PI,  # type: ignore[misc]
+            )
             assert hit is not None
-            exact = bounces(hit + PI, flight.velocity(hit), Decimal(0), Decimal(e), Decimal("1e-18"))
-        ends, happened = followed(one_row(0.0, play, e), 1)
+            exact = bounces(
+                hit + PI, flight.velocity(hit), Decimal(0), Decimal(e), Decimal("1e-18")
+            )
+        ends, happened = followed(one_row(0.0, clearance, e), 1)
         lost = max(lost, abs(ends[0].collision - 2.0 * float(exact.lost)))
         at_rest = happened[0].phase[happened[0].mode == 0][0]
         left = 2e-6 / ((1.0 - e) * math.sin(at_rest))
@@ -61,8 +84,10 @@ def take_off() -> CaseOutcome:
     """
     rng = stream(SEED, "hard", "take-off")
     false, slides = 0, 0
-    for band, play in zip(rng.uniform(0.0, 0.99, 2000), 10.0 ** rng.uniform(-2.0, 1.0, 2000), strict=True):
-        _, happened = followed(one_row(band, play, 0.0), 3)
+    for band, clearance in zip(
+        rng.uniform(0.0, 0.99, 2000), 10.0 ** rng.uniform(-2.0, 1.0, 2000), strict=True
+    ):
+        _, happened = followed(one_row(band, clearance, 0.0), 3)
         for events in happened:
             thrown = np.flatnonzero(events.mode[:-1] != 0)
             slides += thrown.size
@@ -89,7 +114,12 @@ def reversal() -> CaseOutcome:
     ceases to slide.
     """
     near = [10.0**-k for k in range(1, 13)]
-    etas = [STUCK, *(STUCK * (1 + d) for d in near), *(STUCK * (1 - d) for d in near), *(1 - d for d in near)]
+    etas = [
+        STUCK,
+        *(STUCK * (1 + d) for d in near),
+        *(STUCK * (1 - d) for d in near),
+        *(1 - d for d in near),
+    ]
     absolute, relative = 0.0, 0.0
     for eta in etas:
         with precise():
@@ -135,7 +165,9 @@ def at_the_peak() -> CaseOutcome:
         peak = max(abs(motion(t, *wave)[2]) for t in extrema(*wave))
         for e in (0.0, 0.5):
             at_peak = max(
-                at_peak, steady(peak, 1.0, e, wave=wave)[0], steady(np.nextafter(peak, 9.0), 1.0, e, wave=wave)[0]
+                at_peak,
+                steady(peak, 1.0, e, wave=wave)[0],
+                steady(np.nextafter(peak, 9.0), 1.0, e, wave=wave)[0],
             )
             for step in range(1, 9):
                 W, _ = steady(peak * (1 - 10.0 ** (-2 * step)), 1.0, e, wave=wave)
@@ -151,47 +183,70 @@ def at_the_peak() -> CaseOutcome:
             at_most("W one bit below the peak", below, 1e-15),
             exactly("finite, not negative, of 48 thresholds below the peak", finite, 48.0),
             # W = 7e-8 there: the round-off of positions near 1, 2e-16, over a slip of 4e-8.
-            at_most("level 1.0001 of the threshold: relative error of W, 40 digits", abs(found / exact - 1.0), 1e-7),
+            at_most(
+                "level 1.0001 of the threshold: relative error of W, 40 digits",
+                abs(found / exact - 1.0),
+                1e-7,
+            ),
         )
     )
 
 
-def vanishing_play() -> CaseOutcome:
-    """Plays from .1 X down to 1e-16 X: W_f = 2 band play, and the energy of the hits, of order
-    play^(4/3).
+def vanishing_clearance() -> CaseOutcome:
+    """Plays from .1 X down to 1e-16 X: W_f = 2 band clearance, and the energy of the hits, of order
+    clearance^(4/3).
     """
-    rubbed, collided, energy, play_of = 0.0, 0.0, 0.0, [10.0**-k for k in range(1, 17)]
+    rubbed, collided, energy, clearance_of = 0.0, 0.0, 0.0, [10.0**-k for k in range(1, 17)]
     for band in (0.0, 0.1, 0.5, 0.9):
-        for play in play_of:
-            friction, collision, period = (float(x[0]) for x in steady_energy(one_row(band, play, 0.0), *SINE, 64))
+        for clearance in clearance_of:
+            friction, collision, period = (
+                float(x[0]) for x in steady_energy(one_row(band, clearance, 0.0), *SINE, 64)
+            )
             assert period == 1
             with precise():
                 start = arcsine(Decimal(band))
                 flight = Flight(start, Decimal(0), Decimal(0), Decimal(band))
                 step = STEP / 64
-                hit = flight.first(lambda t, f=flight, p=Decimal(play): p - f.position(t), step, start + PI)  # type: ignore[misc]
+                hit = flight.first(
+                    lambda t, f=flight, p=Decimal(clearance): p - f.position(t),
+                    step,
+                    start + PI,  # type: ignore[misc]
+                )
                 if hit is None or flight.velocity(hit) <= 0:
                     continue  # friction stops the row before the wall
                 exact = float(flight.velocity(hit) ** 2)
             if band:
-                rubbed = max(rubbed, abs(friction / (2.0 * band * play) - 1.0))
+                rubbed = max(rubbed, abs(friction / (2.0 * band * clearance) - 1.0))
             collided = max(collided, abs(collision - exact))
-            if play >= 1e-9:
-                energy = max(energy, abs((friction + collision) / (2.0 * band * play + exact) - 1.0))
+            if clearance >= 1e-9:
+                energy = max(
+                    energy, abs((friction + collision) / (2.0 * band * clearance + exact) - 1.0)
+                )
     refused = 0
-    for play in (1e-6, 1e-9):
+    for clearance in (1e-6, 1e-9):
         try:
-            layers_total(np.zeros(1), np.array([[play * 10.0 / (40.0 * np.pi) ** 2]]), 1.0, 1.0, 10.0, 20.0)
+            layers_total(
+                np.zeros(1),
+                np.array([[clearance * 10.0 / (40.0 * np.pi) ** 2]]),
+                1.0,
+                1.0,
+                10.0,
+                20.0,
+            )
         except TooManyEvents:
             refused += 1
     return CaseOutcome(
         measured=(
             at_most("relative error of W_f down to 1e-16 X", rubbed, 1e-14),
             at_most("error of W_c, units of m V², 40 digits", collided, 1e-14),
-            # The gap is a difference of positions near 1: 2e-16 over a play of 1e-9 is 2e-7 of the
-            # gap.
+            # The gap is a difference of positions near 1: 2e-16 over a clearance of 1e-9 is 2e-7 of
+            # the gap.
             at_most("relative error of W down to 1e-9 X", energy, 1e-6),
-            exactly("e = 1, mu = 0 in 1e-6 and 1e-9 X: refused by name (TooManyEvents), of 2", refused, 2.0),
+            exactly(
+                "e = 1, mu = 0 in 1e-6 and 1e-9 X: refused by name (TooManyEvents), of 2",
+                refused,
+                2.0,
+            ),
         )
     )
 
@@ -217,9 +272,9 @@ CASES = (
         at_the_peak,
     ),
     Case(
-        "play to 0",
-        "positions near 1 swallow the play; bouncing without end",
+        "clearance to 0",
+        "positions near 1 swallow the clearance; bouncing without end",
         "W_f exact, W_c to round-off; a named error for what cannot be followed",
-        vanishing_play,
+        vanishing_clearance,
     ),
 )

@@ -32,11 +32,15 @@ class Happened(NamedTuple):
     w: Array
 
 
-def one_row(band: float, play: float, restitution: float, wave: Wave = SINE) -> RowSet:
+def one_row(band: float, clearance: float, restitution: float, wave: Wave = SINE) -> RowSet:
     """Return a single row on a waveform."""
     bands = np.array([band])
     return RowSet(
-        np.zeros(1, np.int64), np.array([play]), restitution, bands, crossings(bands, *wave, extrema(*wave)).tables
+        np.zeros(1, np.int64),
+        np.array([clearance]),
+        restitution,
+        bands,
+        crossings(bands, *wave, extrema(*wave)).tables,
     )
 
 
@@ -47,7 +51,17 @@ def followed(rows: RowSet, cycles: int, wave: Wave = SINE) -> tuple[list[RowCycl
     mode, u, z = 0, 0.0, 0.0
     ends, happened, room = [], [], no_events()
     for _ in range(cycles):
-        after = cycle(mode, u, z, rows.band[0], rows.play[0], rows.restitution, rows.tables[0], *wave, room[0])
+        after = cycle(
+            mode,
+            u,
+            z,
+            rows.band[0],
+            rows.clearance[0],
+            rows.restitution,
+            rows.tables[0],
+            *wave,
+            room[0],
+        )
         if after.events < 0:
             break
         mode, u, z = after.mode, after.u, after.z
@@ -58,10 +72,12 @@ def followed(rows: RowSet, cycles: int, wave: Wave = SINE) -> tuple[list[RowCycl
 
 
 def steady(
-    band: float, play: float, restitution: float = 0.0, average: int = 64, wave: Wave = SINE
+    band: float, clearance: float, restitution: float = 0.0, average: int = 64, wave: Wave = SINE
 ) -> tuple[float, int]:
     """Return (loss per cycle of a row in its steady state, its period)."""
-    friction, collision, period = steady_energy(one_row(band, play, restitution, wave), *wave, average)
+    friction, collision, period = steady_energy(
+        one_row(band, clearance, restitution, wave), *wave, average
+    )
     return float(friction[0] + collision[0]), int(period[0])
 
 

@@ -2,15 +2,15 @@
 
 from functools import cache
 
-from rig.benchmarks.hard import beds, chains, coupled, ledgers, orbits, pairs, rows, slugs
+from rig.benchmarks.hard import beds, chains, coupled, ledgers, orbits, pairs, rows, single_masses
 from rig.benchmarks.hard.case import Case, CaseOutcome
 
 GROUPS: tuple[tuple[str, tuple[Case, ...]], ...] = (
     ("Collision of a pair", pairs.CASES),
     ("Files of grains", chains.CASES),
     ("Rows of bed `layers`", (*rows.CASES, *orbits.CASES)),
-    ("Bed `slug`", slugs.CASES),
-    ("Coupled drive", coupled.CASES),
+    ("Bed `single_mass`", single_masses.CASES),
+    ("Shaker-coupled drive", coupled.CASES),
     ("Scenes at the edge", beds.CASES),
     ("Long runs", ledgers.CASES),
 )

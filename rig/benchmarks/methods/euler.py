@@ -15,9 +15,16 @@ TWO_PI = 2.0 * math.pi
 
 @njit(cache=True, nogil=True)
 def _run(
-    band: float, play: float, restitution: float, gravity: float, u: float, z: float, sine: Array, settle: int,
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    u: float,
+    z: float,
+    sine: Array,
+    settle: int,
     average: int,
-) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:
     """Update the velocity, with friction capped at standstill, then the position, clipped to the
     walls.
 
@@ -41,8 +48,8 @@ def _run(
                 z -= math.copysign(grip, z)
             before = u
             u += h * z
-            if u < 0.0 or u > play:
-                wall = 0.0 if u < 0.0 else play
+            if u < 0.0 or u > clearance:
+                wall = 0.0 if u < 0.0 else clearance
                 back = -restitution * z
                 if abs(back) < least:
                     back = 0.0

@@ -25,17 +25,25 @@ def sines(steps: int, place: float) -> Array:
 def first_order(name: str, run: Run, place: float) -> Method:
     """Return a method from its compiled loop.
 
-    run(band, play, restitution, gravity, u, z, sine, settle, average) returns the fields of `Work`;
-    sine: `sines` at `place`, the fraction of a step at which the method evaluates the drive.
+    run(band, clearance, restitution, gravity, u, z, sine, settle, average) returns the fields of
+    `Work`; sine: `sines` at `place`, the fraction of a step at which the method evaluates the
+    drive.
     """
 
     def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
         _, u, z = slider.start
         return Work(
             *run(
-                slider.band, slider.play, slider.restitution, slider.gravity, u, z, sines(int(setting), place),
-                settle, average,
+                slider.band,
+                slider.clearance,
+                slider.restitution,
+                slider.gravity,
+                u,
+                z,
+                sines(int(setting), place),
+                settle,
+                average,
             )
-        )  # fmt: skip
+        )
 
     return Method(name, "compiled", "steps per cycle", LADDER, QUICK, solve, order=1)

@@ -42,9 +42,15 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
 
         # One cycle at a time, because the loss is counted by cycles.
         found = solve_ivp(
-            slope, (t, TWO_PI * (cycle + 1)), (u, z), method, events=_events(slider, mode, t), rtol=setting,
-            atol=0.01 * setting, max_step=LARGEST,
-        )  # fmt: skip
+            slope,
+            (t, TWO_PI * (cycle + 1)),
+            (u, z),
+            method,
+            events=_events(slider, mode, t),
+            rtol=setting,
+            atol=0.01 * setting,
+            max_step=LARGEST,
+        )
         if not found.success:
             raise Failed(found.message)
         rhs += found.nfev
@@ -56,7 +62,7 @@ def solve(method: str, slider: Slider, setting: float, settle: int, average: int
         low, high, stop = (times.size > 0 for times in found.t_events)
         before, u, z = u, float(found.y[0, -1]), float(found.y[1, -1])
         if low or high:
-            u = 0.0 if low else slider.play
+            u = 0.0 if low else slider.clearance
             back = -slider.restitution * z
             # Without a cut-off the bounces would not end.
             back = 0.0 if abs(back) < CHATTER else back
@@ -81,7 +87,7 @@ def _events(slider: Slider, mode: int, start: float) -> tuple[object, object, ob
         return y[0] if y[1] < 0.0 else 1.0
 
     def lid(_: float, y: tuple[float, float]) -> float:
-        return slider.play - y[0] if y[1] > 0.0 else 1.0
+        return slider.clearance - y[0] if y[1] > 0.0 else 1.0
 
     def stop(t: float, y: tuple[float, float]) -> float:
         return mode * y[1] if slider.band > 0.0 and t > start else 1.0
@@ -100,10 +106,14 @@ def _start(t: float, u: float, slider: Slider, end: float) -> tuple[float, int]:
     up, down = slider.gravity + slider.band, slider.gravity - slider.band
     # A push within round-off of the friction limit starts a slide only if it grows.
     round_off = 1e-12
-    can_rise, can_fall = u < slider.play and up < 1.0, u > 0.0 and down > -1.0
-    if can_rise and (push > slider.band + round_off or (abs(push - slider.band) <= round_off and rising)):
+    can_rise, can_fall = u < slider.clearance and up < 1.0, u > 0.0 and down > -1.0
+    if can_rise and (
+        push > slider.band + round_off or (abs(push - slider.band) <= round_off and rising)
+    ):
         return t, 1
-    if can_fall and (push < -slider.band - round_off or (abs(push + slider.band) <= round_off and not rising)):
+    if can_fall and (
+        push < -slider.band - round_off or (abs(push + slider.band) <= round_off and not rising)
+    ):
         return t, -1
     starts = []
     if can_rise:
@@ -121,7 +131,9 @@ def _after(phase: float, t: float) -> float:
 
 def _method(name: str, finest: int) -> Method:
     ladder = tuple(10.0**-k for k in range(3, finest + 1))
-    return Method(f"solve_ivp {name}", "solve_ivp", "rtol", ladder, ladder[1::3], partial(solve, name))
+    return Method(
+        f"solve_ivp {name}", "solve_ivp", "rtol", ladder, ladder[1::3], partial(solve, name)
+    )
 
 
 IVP = (_method("RK45", 11), _method("DOP853", 12), _method("Radau", 8), _method("LSODA", 11))

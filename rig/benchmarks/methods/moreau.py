@@ -18,9 +18,16 @@ TWO_PI = 2.0 * math.pi
 
 @njit(cache=True, nogil=True)
 def _run(
-    band: float, play: float, restitution: float, gravity: float, u: float, z: float, sine: Array, settle: int,
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    u: float,
+    z: float,
+    sine: Array,
+    settle: int,
     average: int,
-) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+) -> tuple[float, int, int, int, int, float, float]:
     """Step with contacts active where the midpoint u + h z/2 has reached a wall; there z ->
     max(z_free, -e z), mirrored at the lid.
     """
@@ -36,9 +43,9 @@ def _run(
             new = 0.0 if abs(free) <= grip else free - math.copysign(grip, free)
             if middle <= 0.0:
                 new = max(new, -restitution * z)
-            if middle >= play:
+            if middle >= clearance:
                 new = min(new, -restitution * z)
-            struck = (middle <= 0.0 and z < 0.0) or (middle >= play and z > 0.0)
+            struck = (middle <= 0.0 and z < 0.0) or (middle >= clearance and z > 0.0)
             if struck:
                 lost += 0.5 * (z * z - new * new)
                 events += 1

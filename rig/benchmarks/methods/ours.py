@@ -1,7 +1,7 @@
 """The rig's own method: event by event, closed form in between, phases by safeguarded Newton and
 Halley steps.
 
-Sliders are the rows of bed `layers` (rig.kernels.rows.one_row), masses with weight the slug
+Sliders are the rows of bed `layers` (rig.kernels.rows.one_row), masses with weight the single mass
 (rig.kernels.single_mass.one_cycle).
 """
 
@@ -16,8 +16,8 @@ from rig.benchmarks.problems.sliders import WIDE, Slider
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.one_row import cycle, no_events
 from rig.kernels.single_mass.one_cycle import Events, World, world
-from rig.kernels.single_mass.one_cycle import cycle as slug_cycle
-from rig.kernels.single_mass.one_cycle import no_events as slug_room
+from rig.kernels.single_mass.one_cycle import cycle as single_mass_cycle
+from rig.kernels.single_mass.one_cycle import no_events as single_mass_room
 from rig.kernels.waveform import Array, crossings, extrema
 
 
@@ -25,15 +25,25 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
     """Simulate every cycle, as the other methods do; the rig itself stops where a state recurs."""
     sine, cosine = np.ones(1), np.zeros(1)
     if slider.gravity > 0.0:
-        upper = slider.play if slider.play < WIDE else math.inf
+        upper = slider.clearance if slider.clearance < WIDE else math.inf
         place, table = world(slider.gravity, 0.0, 0.0, upper, slider.restitution, sine, cosine)
-        found = _slug(*slider.start, place, table, sine, cosine, slug_room(), settle, average)
+        found = _single_mass(
+            *slider.start, place, table, sine, cosine, single_mass_room(), settle, average
+        )
     else:
         table = crossings(np.array([slider.band]), sine, cosine, extrema(sine, cosine)).tables[0]
         found = _row(
-            slider.band, slider.play, slider.restitution, *slider.start, table, sine, cosine, no_events(), settle,
+            slider.band,
+            slider.clearance,
+            slider.restitution,
+            *slider.start,
+            table,
+            sine,
+            cosine,
+            no_events(),
+            settle,
             average,
-        )  # fmt: skip
+        )
     if found[1] < 0:
         raise Failed("more events in a cycle than can be followed")
     return Work(*found)
@@ -41,9 +51,19 @@ def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:  #
 
 @njit(cache=True, nogil=True)
 def _row(
-    band: float, play: float, restitution: float, mode: int, u: float, z: float, table: Array, P: Array, Q: Array,
-    room: NDArray[np.void], settle: int, average: int,
-) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
+    band: float,
+    clearance: float,
+    restitution: float,
+    mode: int,
+    u: float,
+    z: float,
+    table: Array,
+    P: Array,
+    Q: Array,
+    room: NDArray[np.void],
+    settle: int,
+    average: int,
+) -> tuple[float, int, int, int, int, float, float]:
     """Follow a row through all cycles; return the fields of `Work`, events -1 where there are too
     many to follow.
     """
@@ -51,7 +71,7 @@ def _row(
     table, P, Q = borrowed(table), borrowed(P), borrowed(Q)
     event = borrowed(room)[0]
     for k in range(settle + average):
-        after = cycle(mode, u, z, band, play, restitution, table, P, Q, event)
+        after = cycle(mode, u, z, band, clearance, restitution, table, P, Q, event)
         mode, u, z = after.mode, after.u, after.z
         if after.events < 0:
             return energy, -1, 0, 0, roots, u, z
@@ -63,17 +83,31 @@ def _row(
 
 
 @njit(cache=True, nogil=True)
-def _slug(
-    mode: int, u: float, z: float, world: World, table: Array, P: Array, Q: Array, room: Events, settle: int,
+def _single_mass(
+    mode: int,
+    u: float,
+    z: float,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    room: Events,
+    settle: int,
     average: int,
-) -> tuple[float, int, int, int, int, float, float]:  # fmt: skip
-    """Follow a slug as `_row` follows a row."""
+) -> tuple[float, int, int, int, int, float, float]:
+    """Follow a single mass as `_row` follows a row."""
     harmonics = np.empty((2, P.shape[0]))
-    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    table, P, Q, S, C = (
+        borrowed(table),
+        borrowed(P),
+        borrowed(Q),
+        borrowed(harmonics[0]),
+        borrowed(harmonics[1]),
+    )
     room = Events(borrowed(room.phase), borrowed(room.mode), borrowed(room.w))
     energy, events, roots = 0.0, 0, 0
     for k in range(settle + average):
-        after = slug_cycle(mode, u, z, world, table, P, Q, S, C, room)
+        after = single_mass_cycle(mode, u, z, world, table, P, Q, S, C, room)
         mode, u, z = after.mode, after.q, after.u
         if after.events < 0:
             return energy, -1, 0, 0, roots, u, z

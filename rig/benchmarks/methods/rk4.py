@@ -31,9 +31,15 @@ STUCK = 1_000_000
 def solve(slider: Slider, setting: float, settle: int, average: int) -> Work:
     """Follow a slider with `setting` steps per cycle."""
     found = _run(
-        slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
+        slider.band,
+        slider.clearance,
+        slider.restitution,
+        slider.gravity,
+        *slider.start,
+        sines(int(setting)),
+        settle,
         average,
-    )  # fmt: skip
+    )
     return _checked(Work(*found[:-1]))
 
 
@@ -45,9 +51,15 @@ def solve_steady(slider: Slider, setting: float, settle: int, average: int) -> t
     cycles.
     """
     found = _steady(
-        slider.band, slider.play, slider.restitution, slider.gravity, *slider.start, sines(int(setting)), settle,
+        slider.band,
+        slider.clearance,
+        slider.restitution,
+        slider.gravity,
+        *slider.start,
+        sines(int(setting)),
+        settle,
         average,
-    )  # fmt: skip
+    )
     return _checked(Work(*found[:-1])), found[-1]
 
 
@@ -64,7 +76,9 @@ def sines(steps: int) -> Array:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _step(t: float, h: float, u: float, z: float, f: float, pull: float) -> tuple[float, float, float]:
+def _step(
+    t: float, h: float, u: float, z: float, f: float, pull: float
+) -> tuple[float, float, float]:
     """Return (u, z, right-hand side) after one step of u'' = sin(t) - pull from (u, z); f:
     right-hand side at t.
     """
@@ -72,14 +86,24 @@ def _step(t: float, h: float, u: float, z: float, f: float, pull: float) -> tupl
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _stepped(h: float, u: float, z: float, f: float, middle: float, end: float) -> tuple[float, float, float]:
+def _stepped(
+    h: float, u: float, z: float, f: float, middle: float, end: float
+) -> tuple[float, float, float]:
     """Return the result of `_step` from the right-hand sides in the middle and at the end."""
     return u + h * z + h * h / 6.0 * (f + 2.0 * middle), z + h / 6.0 * (f + 4.0 * middle + end), end
 
 
 @njit(cache=True, nogil=True)
 def _located(
-    t: float, h: float, u: float, z: float, f: float, pull: float, level: float, sign: float, stop: bool
+    t: float,
+    h: float,
+    u: float,
+    z: float,
+    f: float,
+    pull: float,
+    level: float,
+    sign: float,
+    stop: bool,
 ) -> tuple[float, int]:
     """Return the time within [0, h] at which z (a stop) or u - level (a wall) changes sign, and the
     iterations.
@@ -136,9 +160,17 @@ def _start(
 
 @njit(cache=True, nogil=True)
 def _run(
-    band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
-    settle: int, average: int,
-) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    mode: int,
+    u: float,
+    z: float,
+    sine: Array,
+    settle: int,
+    average: int,
+) -> tuple[float, int, int, int, int, float, float, int]:
     """Follow a slider through all cycles; return the fields of `Work` and the mode, events -1 where
     they do not end.
 
@@ -168,11 +200,11 @@ def _run(
                 rhs += 1
                 taken += 1
                 known = False
-                if (push > band or (push == band and later > band)) and u < play:
+                if (push > band or (push == band and later > band)) and u < clearance:
                     mode = 1
                 elif (push < -band or (push == -band and later < -band)) and u > 0.0:
                     mode = -1
-                elif later > band and u < play:
+                elif later > band and u < clearance:
                     wait, count = _start(t, h, push - band, later - band, band, 1.0, gravity)
                     t, whole, mode, roots = t + wait, False, 1, roots + count
                     rhs += 2 * count
@@ -206,16 +238,16 @@ def _run(
                 rhs += 2 * count
                 roots += count
                 u_end, z_end, force = _step(t, part, u, z, f, pull)
-                if mode == 1 and u_end > play:
+                if mode == 1 and u_end > clearance:
                     wall = 1
                 elif mode == -1 and u_end < 0.0:
                     wall = -1
             elif u_end < 0.0 and z_end < 0.0:
                 wall = -1
-            elif u_end > play and z_end > 0.0:
+            elif u_end > clearance and z_end > 0.0:
                 wall = 1
             if wall != 0:
-                level = play if wall == 1 else 0.0
+                level = clearance if wall == 1 else 0.0
                 part, count = _located(t, part, u, z, f, pull, level, float(wall), False)
                 rhs += 2 * count
                 roots += count
@@ -252,9 +284,17 @@ def _run(
 
 @njit(cache=True, nogil=True)
 def _steady(
-    band: float, play: float, restitution: float, gravity: float, mode: int, u: float, z: float, sine: Array,
-    settle: int, average: int,
-) -> tuple[float, int, int, int, int, float, float, int]:  # fmt: skip
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    mode: int,
+    u: float,
+    z: float,
+    sine: Array,
+    settle: int,
+    average: int,
+) -> tuple[float, int, int, int, int, float, float, int]:
     """Follow cycle by cycle until a state recurs; the last value returned is the period."""
     history, losses = np.empty((HISTORY, 3)), np.empty(HISTORY)
     energy, events, rhs, taken, roots = 0.0, 0, 0, 0, 0
@@ -267,7 +307,9 @@ def _steady(
             return energy, events, rhs, taken, roots, u, z, back
         k = now % HISTORY
         history[k, 0], history[k, 1], history[k, 2] = mode, u, z
-        lost, found, more, steps, tries, u, z, mode = _run(band, play, restitution, gravity, mode, u, z, sine, 0, 1)
+        lost, found, more, steps, tries, u, z, mode = _run(
+            band, clearance, restitution, gravity, mode, u, z, sine, 0, 1
+        )
         if found < 0:
             return energy, -1, rhs, taken, roots, u, z, 0
         losses[k] = lost

@@ -48,13 +48,15 @@ class StandardBed:
         `cycles`.
         """
         drive = self.condition.drive
-        return layers_variant(self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles).total
+        return layers_variant(
+            self.condition.scene, self.stack, drive.acceleration, drive.frequency, cycles
+        ).total
 
 
 @lru_cache
 def bed(level: float, rows: int = 8, extra: tuple[str, ...] = ()) -> StandardBed:
     """Return a bed with the protocol's defaults; `extra`: further settings, as for `--set`."""
-    rig = load_rig("default")
+    rig = load_rig("paper")
     sets = [f"drive.acceleration={level}", f"scene.layers.rows={rows}", *extra]
     condition = conditions(load_protocol(PROTOCOL, sets=sets))[0]
     return StandardBed(condition, rig, stack(condition.scene, rig, nominal(condition.scene, rig)))
@@ -80,11 +82,13 @@ def _by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
     unit = rows.row_mass * (drive.acceleration / (2.0 * np.pi * drive.frequency)) ** 2
     length = drive.acceleration / (2.0 * np.pi * drive.frequency) ** 2
     total = 0.0
-    for threshold, plays in zip(rows.threshold, rows.play, strict=True):
+    for threshold, clearances in zip(rows.threshold, rows.clearance, strict=True):
         if threshold >= drive.acceleration:
             continue
-        for play in plays:
-            row = Slider("", threshold / drive.acceleration, play / length, rows.restitution, 0.0, 0.0)
+        for clearance in clearances:
+            row = Slider(
+                "", threshold / drive.acceleration, clearance / length, rows.restitution, 0.0, 0.0
+            )
             total += solve(row)
     return unit * total
 
@@ -111,7 +115,10 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     reference = bed(level, many).energy(long)
     omega = 2.0 * np.pi * bed(level).condition.drive.frequency
     calls: dict[str, tuple[Callable[[], float], int]] = {
-        "paper tier": (partial(as_printed_variant, bed(level).condition.scene, bed(level).rig, level / omega), 0)
+        "paper tier": (
+            partial(as_printed_variant, bed(level).condition.scene, bed(level).rig, level / omega),
+            0,
+        )
     }
     for rows in (2, 8, 37):
         calls[f"closed tier, {rows} rows"] = (bed(level, rows).energy, rows)
@@ -120,7 +127,10 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     beside = {}
     for name, setting in STEPPING[:2] if quick else STEPPING:
         title = f"{name}, {setting:g} steps, 8 rows"
-        calls[title], beside[title] = (partial(stepped, bed(level), methods[name], setting), 8), SAME_CYCLES
+        calls[title], beside[title] = (
+            (partial(stepped, bed(level), methods[name], setting), 8),
+            SAME_CYCLES,
+        )
     for setting in (setting for name, setting in STEPPING if name == RK4.name):
         title = f"{RK4.name}, {setting:g} steps, 8 rows, until a state recurs"
         calls[title], beside[title] = (partial(stepped_steady, bed(level), setting), 8), CLOSED
@@ -129,10 +139,17 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     for name, (call, rows) in calls.items():
         energy, memory = peak_memory(call)
         found[name] = {
-            "kind": "layers", "problem": f"layers, {level:g} m/s2", "level": level, "method": name, "W_T": energy,
-            "error": abs(energy / exact[rows] - 1.0) if rows else None, "model_error": energy / reference - 1.0,
-            "reference": f"{many} rows per layer, {long} cycles", "memory_kB": memory, "failure": None,
-        }  # fmt: skip
+            "kind": "layers",
+            "problem": f"layers, {level:g} m/s2",
+            "level": level,
+            "method": name,
+            "W_T": energy,
+            "error": abs(energy / exact[rows] - 1.0) if rows else None,
+            "model_error": energy / reference - 1.0,
+            "reference": f"{many} rows per layer, {long} cycles",
+            "memory_kB": memory,
+            "failure": None,
+        }
     times = interleaved({name: call for name, (call, _) in calls.items()}, rounds)
     for name, seconds in times.items():
         found[name]["ms"] = spread([1e3 * value for value in seconds])
@@ -149,7 +166,9 @@ def drift(cycles: int, settle: int = 0) -> Iterator[Row]:
 
     for level in (2.0, 5.0):
         found = bed(level)
-        moving = LayersBed(found.stack, Sampling(Waveform(found.condition.drive.frequency, level), 8.0))
+        moving = LayersBed(
+            found.stack, Sampling(Waveform(found.condition.drive.frequency, level), 8.0)
+        )
         kinetic, largest = moving.kinetic_at_start, 0.0
         left, taken = 0.0, 0.0
         for _ in range(settle, cycles, 100):

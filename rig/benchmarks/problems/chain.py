@@ -17,7 +17,9 @@ Row = dict[str, Any]
 LONGEST = 1_000_000_000
 
 
-def exact_rebound(grains: int, restitution: Fraction, restitution_wall: Fraction) -> tuple[float, int]:
+def exact_rebound(
+    grains: int, restitution: Fraction, restitution_wall: Fraction
+) -> tuple[float, int]:
     """Return (rebound ratio of the centre of mass, number of hits) without any rounding.
 
     The grains start at 1, 2, ... with velocity -1.
@@ -27,7 +29,9 @@ def exact_rebound(grains: int, restitution: Fraction, restitution_wall: Fraction
     hits = 0
     while True:
         waits = [(-x[0] / v[0], 0)] if v[0] < 0 else []
-        waits += [((x[k] - x[k - 1]) / (v[k - 1] - v[k]), k) for k in range(1, grains) if v[k - 1] > v[k]]
+        waits += [
+            ((x[k] - x[k - 1]) / (v[k - 1] - v[k]), k) for k in range(1, grains) if v[k - 1] > v[k]
+        ]
         if not waits:
             return float(sum(v) / grains), hits
         wait, k = min(waits)
@@ -41,7 +45,9 @@ def exact_rebound(grains: int, restitution: Fraction, restitution_wall: Fraction
 
 
 @njit(cache=True, nogil=True)
-def stepped_rebound(grains: int, restitution: float, restitution_wall: float, step: float) -> tuple[float, int]:
+def stepped_rebound(
+    grains: int, restitution: float, restitution_wall: float, step: float
+) -> tuple[float, int]:
     """Return (rebound ratio, number of steps) by fixed steps: all grains move, then every
     overlapping and closing pair is hit once.
     """
@@ -78,10 +84,15 @@ def chain(grains: int, rounds: int, quick: bool) -> list[Row]:
         call()
         found, memory = peak_memory(call)
         rows[name] = {
-            "kind": "part", "problem": f"chain of {grains} grains", "method": name, "error": abs(found / exact - 1.0),
-            "what": "rebound of the centre of mass, against exact fractions", "events": hits,
-            "memory_kB": memory, "failure": None,
-        }  # fmt: skip
+            "kind": "part",
+            "problem": f"chain of {grains} grains",
+            "method": name,
+            "error": abs(found / exact - 1.0),
+            "what": "rebound of the centre of mass, against exact fractions",
+            "events": hits,
+            "memory_kB": memory,
+            "failure": None,
+        }
     for name, seconds in interleaved(calls, rounds).items():
         rows[name]["ms"] = spread([1e3 * value for value in seconds])
     return list(rows.values())

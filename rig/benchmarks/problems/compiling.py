@@ -13,15 +13,20 @@ from rig.benchmarks.process import as_users_have_it, timed_process
 
 Row = dict[str, Any]
 
-COMPILED = ("event-driven (ours)", "RK4, events located", "semi-implicit Euler", "Moreau time stepping")
+COMPILED = (
+    "event-driven (ours)",
+    "RK4, events located",
+    "semi-implicit Euler",
+    "Moreau time stepping",
+)
 
 FIRST_CALL = """
 import sys, time
 from rig.benchmarks.methods import METHODS
-from rig.benchmarks.problems.sliders import slug, rough
+from rig.benchmarks.problems.sliders import single mass, rough
 method = next(one for one in METHODS if one.name == sys.argv[1])
 start = time.perf_counter()
-for problem in (rough(0.1, 1.3), slug(1.5)):
+for problem in (rough(0.1, 1.3), single mass(1.5)):
     method.solve(problem, method.ladder[0], 1, 1)
 print(time.perf_counter() - start)
 """
@@ -48,7 +53,11 @@ def _first_calls(name: str) -> tuple[float, float]:
         command = [sys.executable, "-c", FIRST_CALL, name]
         environment = as_users_have_it(NUMBA_CACHE_DIR=folder)
         cold, warm = (
-            float(subprocess.run(command, cwd=ROOT, check=True, capture_output=True, env=environment).stdout)
+            float(
+                subprocess.run(
+                    command, cwd=ROOT, check=True, capture_output=True, env=environment
+                ).stdout
+            )
             for _ in range(2)
         )
     return cold, warm

@@ -56,11 +56,17 @@ def conditions(rounds: int, quick: bool, sizes: Sequence[int] = ()) -> list[Row]
     return [
         *fitted("conditions", what, seconds),
         *(
-            {"kind": "memory", "problem": f"rig report, {size} conditions", "method": f"{REPEATS * size} runs",
-             "writer_MB": peak, "worker_MB": None, "failure": None}
+            {
+                "kind": "memory",
+                "problem": f"rig report, {size} conditions",
+                "method": f"{REPEATS * size} runs",
+                "writer_MB": peak,
+                "worker_MB": None,
+                "failure": None,
+            }
             for size, peak in memory.items()
         ),
-    ]  # fmt: skip
+    ]
 
 
 def repeated(record: Record, count: int, path: Path) -> None:
@@ -74,12 +80,18 @@ def repeated(record: Record, count: int, path: Path) -> None:
         rate=record.rate,
         channels=tuple(record.channels.values()),
         runs=tuple(
-            replace(one, name=f"run_{len(plans) * place + repeat:05d}", condition=name,
-                    order=len(plans) * place + repeat)
+            replace(
+                one,
+                name=f"run_{len(plans) * place + repeat:05d}",
+                condition=name,
+                order=len(plans) * place + repeat,
+            )
             for place, name in enumerate(ids)
             for repeat, one in enumerate(plans, 1)
         ),
-        conditions=tuple({**condition, "id": name, "fill": 0.3 + 0.6 * k / count} for k, name in enumerate(ids)),
+        conditions=tuple(
+            {**condition, "id": name, "fill": 0.3 + 0.6 * k / count} for k, name in enumerate(ids)
+        ),
         protocol_text=record.protocol_text,
         protocol=record.document("protocol"),
         documents={name: record.document(name) for name in record.documents if name not in fixed}
@@ -87,7 +99,7 @@ def repeated(record: Record, count: int, path: Path) -> None:
         truth_documents={name: truth.document(name) for name in truth.documents} if truth else {},
         ledger_columns=record.ledger_columns,
         scalars=record.scalar_names,
-    )  # fmt: skip
+    )
     sources = [one.name for one in plans]
     with Recorder.create(path, plan) as recorder:
         for place, target in enumerate(plan.runs):
@@ -95,7 +107,9 @@ def repeated(record: Record, count: int, path: Path) -> None:
             for row in record.blocks(source):
                 start, stop = int(row["start"]), int(row["start"] + row["count"])
                 codes = record.all_codes(source, start, stop)
-                recorder.append(target.name, Block(start, codes, row["flags"], row["clipped"], False))
+                recorder.append(
+                    target.name, Block(start, codes, row["flags"], row["clipped"], False)
+                )
             recorder.write_ledger(target.name, 0, record.ledger_rows(source))
             recorder.finish(target.name, record.scalars(source), record.run(source).flags)
 

@@ -1,4 +1,4 @@
-"""Speed against error of steppers for the coupled drive: `python -m
+"""Speed against error of steppers for the shaker-coupled drive: `python -m
 rig.benchmarks.problems.coupled_steppers [--out DIR]`.
 
 Ours (the linear system exact, impacts at predicted edges) beside Moreau-Jean with theta = 1/2
@@ -28,7 +28,21 @@ from rig.catalog.rig_file import load_rig
 from rig.drive.amplifier_command import Command
 from rig.drive.electrodynamic import STATES, I, V, X
 from rig.kernels.rows.coupled_step import Pull, end_velocity
-from rig.kernels.rows.tiles import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, from_tiles, to_tiles, total
+from rig.kernels.rows.tiles import (
+    BAND,
+    CHUNK,
+    CLEARANCE,
+    FIELDS,
+    HI,
+    LO,
+    P,
+    U,
+    W,
+    clear,
+    from_tiles,
+    to_tiles,
+    total,
+)
 from rig.protocol.spec import Drive, Grains, Layers, Scene
 from rig.stand.ledger import COLUMNS
 from rig.stand.shaker import CoupledStand
@@ -53,10 +67,14 @@ class StepperResult:
 
 def stand(scene: Scene, rig: Rig, filling: Filling, refine: int = 1) -> CoupledStand:
     """Return a stand at rest with a current amplifier."""
-    return CoupledStand(scene, rig, Drive(mode="coupled", amplifier="current"), filling, RATE, refine=refine)
+    return CoupledStand(
+        scene, rig, Drive(mode="shaker", amplifier="current"), filling, RATE, refine=refine
+    )
 
 
-def ours(scene: Scene, rig: Rig, filling: Filling, amplitude: float, refine: int) -> tuple[float, float]:
+def ours(
+    scene: Scene, rig: Rig, filling: Filling, amplitude: float, refine: int
+) -> tuple[float, float]:
     """Return (heat of the first cycles in J, least CPU time of a later one in ms); `refine` divides
     step and grid.
     """
@@ -71,7 +89,9 @@ def ours(scene: Scene, rig: Rig, filling: Filling, amplitude: float, refine: int
     return float(heat), 1e3 * min(walls, default=0.0)
 
 
-def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: int) -> tuple[float, float]:
+def moreau(
+    scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: int
+) -> tuple[float, float]:
     """Return the same by Moreau-Jean, theta = 1/2, with the same scalar equation for friction, but
     no signals and no ledger.
     """
@@ -83,7 +103,9 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
     # is zero.
     left = np.linalg.inv(np.eye(STATES) - 0.5 * h * a)
     phi = left @ (np.eye(STATES) + 0.5 * h * a)
-    thrust, rate = (np.asarray(h * column, np.float64) for column in (left[:, V] / one.plant.box, left[:, I]))
+    thrust, rate = (
+        np.asarray(h * column, np.float64) for column in (left[:, V] / one.plant.box, left[:, I])
+    )
     edges = np.asarray(np.arange(steps + 1) * h, np.float64)
     around = Pull(bed.row_mass, 0.0, 0.0, one.plant.box, 0.0, 0.0, 0.0)
     n = bed.band.size
@@ -94,7 +116,9 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
         before = min(cycle / CYCLES, 1.0)
         command = Command((amplitude * after + 0j,), 20.0).values((amplitude * before + 0j,), edges)
         start = time.process_time()
-        spent = _moreau(phi, thrust, rate, np.diff(command) / h, around, bed.band, bed.play, h, *state)
+        spent = _moreau(
+            phi, thrust, rate, np.diff(command) / h, around, bed.band, bed.clearance, h, *state
+        )
         walls.append(time.process_time() - start)
         heat += spent if cycle < CYCLES else 0.0
     return heat, 1e3 * min(walls[CYCLES:])
@@ -102,15 +126,24 @@ def moreau(scene: Scene, rig: Rig, filling: Filling, amplitude: float, steps: in
 
 @njit(cache=True)
 def _moreau(
-    phi: Array, thrust: Array, rate: Array, pace: Array, around: Pull, band: Array, play: Array, h: float,
-    y: Array, w: Array, u: Array,
-) -> float:  # fmt: skip
+    phi: Array,
+    thrust: Array,
+    rate: Array,
+    pace: Array,
+    around: Pull,
+    band: Array,
+    clearance: Array,
+    h: float,
+    y: Array,
+    w: Array,
+    u: Array,
+) -> float:
     """Take all steps of a cycle; return the heat, J. y, w, u are the states of plant and rows,
     updated in place.
     """
     rows, heat, lanes = np.uint64(band.shape[0]), 0.0, np.empty(CHUNK)
     lo, hi, tally = -band, band.copy(), np.zeros((2, band.shape[0] // 64 + 1), np.int64)
-    tiles = to_tiles(w, u, lo, hi, band, play)
+    tiles = to_tiles(w, u, lo, hi, band, clearance)
     for k in range(pace.shape[0]):
         for begin in range(np.uint64(0), rows, CHUNK):
             for j in range(np.uint64(0), min(CHUNK, rows - begin)):
@@ -118,10 +151,12 @@ def _moreau(
                 i = begin * FIELDS + j
                 ahead, rub = tiles[i + U] + h * (tiles[i + W] - y[V]), tiles[i + BAND]
                 tiles[i + HI] = np.inf if ahead <= 0.0 else rub
-                tiles[i + LO] = -np.inf if ahead >= tiles[i + PLAY] else -rub
+                tiles[i + LO] = -np.inf if ahead >= tiles[i + CLEARANCE] else -rub
         free = phi @ y + rate * pace[k]
         gain = thrust[V] / h
-        _, given, _, _ = end_velocity(free[V], y[V], free[V], gain, h, around, tiles, rows, 0.0, tally, lanes)
+        _, given, _, _ = end_velocity(
+            free[V], y[V], free[V], gain, h, around, tiles, rows, 0.0, tally, lanes
+        )
         after = free - thrust * (given / h)
         way = after[X] - y[X]
         clear(lanes)
@@ -140,15 +175,20 @@ def _moreau(
 
 def measure(amplitude: float, rows: int, refills: int) -> list[StepperResult]:
     """Return all steppers at all steps with their errors."""
-    rig = load_rig("default")
+    rig = load_rig("paper")
     scene = Scene(grains=Grains(density=7900.0), losses=(), layers=Layers(rows=rows))
     fillings = [refill(scene, rig, np.random.default_rng(seed)) for seed in range(refills)]
     exact = np.array([ours(scene, rig, filling, amplitude, 16)[0] for filling in fillings])
     methods = [("ours", 512 * k, partial(ours, refine=k)) for k in (1, 2, 4)]
-    methods += [("Moreau-Jean, theta = 1/2", 512 * 2**k, partial(moreau, steps=512 * 2**k)) for k in range(6)]
+    methods += [
+        ("Moreau-Jean, theta = 1/2", 512 * 2**k, partial(moreau, steps=512 * 2**k))
+        for k in range(6)
+    ]
     for _, _, method in methods:
         method(scene, rig, fillings[0], amplitude)
-    found = np.array([[method(scene, rig, f, amplitude) for _, _, method in methods] for f in fillings])
+    found = np.array(
+        [[method(scene, rig, f, amplitude) for _, _, method in methods] for f in fillings]
+    )
     error = np.sqrt(np.mean((found[:, :, 0] / exact[:, None] - 1.0) ** 2, axis=0))
     least = found[:, :, 1].min(axis=0)
     return [
@@ -170,9 +210,18 @@ def figure(found: list[StepperResult]) -> str:
         points = [r for r in found if r.stepper == name]
         ax.loglog([r.milliseconds for r in points], [r.error for r in points], mark, label=name)
         for r in points:
-            ax.annotate(f"{r.steps}", (r.milliseconds, r.error), textcoords="offset points", xytext=(4, 4), fontsize=7)
+            ax.annotate(
+                f"{r.steps}",
+                (r.milliseconds, r.error),
+                textcoords="offset points",
+                xytext=(4, 4),
+                fontsize=7,
+            )
     ax.axvline(2.5, color="0.6", linewidth=0.8)
-    ax.set(xlabel="CPU per cycle of 50 ms / ms (line: 20 times real time)", ylabel="error of W, first two cycles")
+    ax.set(
+        xlabel="CPU per cycle of 50 ms / ms (line: 20 times real time)",
+        ylabel="error of W, first two cycles",
+    )
     ax.legend()
     text = io.StringIO()
     fig.savefig(text, format="svg", metadata={"Date": None})

@@ -29,14 +29,16 @@ def coupled(rounds: int, quick: bool) -> list[Row]:
     """Measure rig time over CPU time of this thread at each level, over cycles of some refills, in
     turn.
     """
-    rig, scene = load_rig("default"), Scene(grains=Grains(density=7900.0))
+    rig, scene = load_rig("paper"), Scene(grains=Grains(density=7900.0))
     cycles = 8 if quick else 20
     stands: dict[float, list[CoupledStand]] = {}
     for current in CURRENTS:
         stands[current] = []
         for seed in range(2):
             filling = refill(scene, rig, np.random.default_rng(seed))
-            stand = CoupledStand(scene, rig, Drive(mode="coupled", amplifier="current"), filling, RATE)
+            stand = CoupledStand(
+                scene, rig, Drive(mode="shaker", amplifier="current"), filling, RATE
+            )
             stand.advance(Command((complex(current),), FREQUENCY, SETTLED))
             stands[current].append(stand)
     faster: dict[float, list[float]] = {current: [] for current in CURRENTS}
@@ -53,8 +55,12 @@ def coupled(rounds: int, quick: bool) -> list[Row]:
             faster[current].append(1.0 / FREQUENCY / statistics.median(times))
     return [
         {
-            "kind": "coupled", "current": current, "level": statistics.mean(levels[current]),
-            "rows": int(stands[current][0].bed.band.size), "times_faster": spread(faster[current]), "failure": None,
+            "kind": "coupled",
+            "current": current,
+            "level": statistics.mean(levels[current]),
+            "rows": int(stands[current][0].bed.band.size),
+            "times_faster": spread(faster[current]),
+            "failure": None,
         }
         for current in CURRENTS
-    ]  # fmt: skip
+    ]

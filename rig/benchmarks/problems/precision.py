@@ -1,4 +1,4 @@
-"""Error, time, work and memory of every method on one slider or slug, timed side by side."""
+"""Error, time, work and memory of every method on one slider or single mass, timed side by side."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,7 +20,9 @@ COMPILED_STEPS = 200_000
 """Largest number of steps for a compiled method."""
 
 
-def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, ...] = METHODS) -> list[Row]:
+def precision(
+    slider: Slider, rounds: int, quick: bool, methods: tuple[Method, ...] = METHODS
+) -> list[Row]:
     """Return a row for every method and setting; a failed one keeps its row, with the reason
     instead of numbers.
     """
@@ -30,9 +32,15 @@ def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, .
         for setting in method.quick if quick else method.ladder:
             average = _averaged(slider, method, setting)
             row: Row = {
-                "kind": "precision", "problem": slider.name, "method": method.name, "group": method.group,
-                "knob": method.knob, "setting": setting, "source": slider.source, "failure": None,
-            }  # fmt: skip
+                "kind": "precision",
+                "problem": slider.name,
+                "method": method.name,
+                "group": method.group,
+                "knob": method.knob,
+                "setting": setting,
+                "source": slider.source,
+                "failure": None,
+            }
             call = partial(method.solve, slider, setting, slider.settle, average)
             try:
                 work, memory = _first(call)
@@ -48,7 +56,10 @@ def precision(slider: Slider, rounds: int, quick: bool, methods: tuple[Method, .
     for name, seconds in interleaved(calls, rounds).items():
         row = rows[int(name)]
         each = [1e6 * value / row["cycles"] for value in seconds]
-        row["us_per_cycle"], row["us_each"] = spread(each), [float(f"{value:.5g}") for value in each]
+        row["us_per_cycle"], row["us_each"] = (
+            spread(each),
+            [float(f"{value:.5g}") for value in each],
+        )
     return rows
 
 
@@ -57,7 +68,9 @@ def _steady(slider: Slider) -> tuple[float, float]:
     flights.
     """
     cycles = slider.settle + slider.period
-    _, u, z = followed(slider.band, slider.play, slider.restitution, slider.gravity, slider.start, cycles)
+    _, u, z = followed(
+        slider.band, slider.clearance, slider.restitution, slider.gravity, slider.start, cycles
+    )
     return u, z
 
 
@@ -72,5 +85,9 @@ def _averaged(slider: Slider, method: Method, setting: float) -> int:
     """
     if method.group == "solve_ivp":
         return 2 * slider.period
-    most = COMPILED_CYCLES if method.order is None else max(int(COMPILED_STEPS / setting), slider.settle)
+    most = (
+        COMPILED_CYCLES
+        if method.order is None
+        else max(int(COMPILED_STEPS / setting), slider.settle)
+    )
     return slider.period * max((min(most, COMPILED_CYCLES) - slider.settle) // slider.period, 2)

@@ -13,7 +13,12 @@ import h5py
 import numpy as np
 
 from daq.chain.block import Block
-from daq.session.layout import channel_attributes, data_attributes, run_attributes, signal_attributes
+from daq.session.layout import (
+    channel_attributes,
+    data_attributes,
+    run_attributes,
+    signal_attributes,
+)
 from daq.session.plan import CHUNK, RunPlan, SessionPlan, block_dtype, status_dtype
 from daq.session.writer import Recorder
 from rig.benchmarks.problems.fill_protocol import fill_campaign
@@ -38,7 +43,9 @@ OURS, PLAIN, CODES = "recorder (ours)", "plain h5py: the same file", "plain h5py
 def recorder(rounds: int) -> list[Row]:
     """Measure forty short runs, and two long ones."""
     campaign = fill_campaign("repeats=1")
-    plan = session_plan(campaign, {c.id: forecast(c, campaign.rig, True) for c in campaign.conditions})
+    plan = session_plan(
+        campaign, {c.id: forecast(c, campaign.rig, True) for c in campaign.conditions}
+    )
     rows = compared(f"recorder, {len(plan.runs)} short runs", plan, BLOCKS, rounds)
     return [*rows, *compared("recorder, 2 long runs", of_runs(plan, 2), (CHUNK,) * LONG, rounds)]
 
@@ -57,7 +64,9 @@ def compared(problem: str, plan: SessionPlan, blocks: tuple[int, ...], rounds: i
     rng = np.random.Generator(np.random.SFC64(1))
     codes = rng.integers(-(2**23), 2**23, (len(plan.channels), sum(blocks)), dtype=np.int32)
     with tempfile.TemporaryDirectory() as folder:
-        session, plain, bare = (Path(folder) / name for name in ("session.h5", "plain.h5", "bare.h5"))
+        session, plain, bare = (
+            Path(folder) / name for name in ("session.h5", "plain.h5", "bare.h5")
+        )
         calls: dict[str, Callable[[], None]] = {
             OURS: partial(_anew, _ours, session, plan, blocks, codes),
             PLAIN: partial(_anew, _plain, plain, plan, blocks, codes),
@@ -68,15 +77,22 @@ def compared(problem: str, plan: SessionPlan, blocks: tuple[int, ...], rounds: i
             call()
             _, kilobytes = peak_memory(call)
             found[name] = {
-                "kind": "part", "problem": problem, "method": name, "failure": None, "memory_kB": kilobytes,
+                "kind": "part",
+                "problem": problem,
+                "method": name,
+                "failure": None,
+                "memory_kB": kilobytes,
                 "what": f"{len(runs)} runs of {sum(blocks)} samples in {len(blocks)} blocks, {len(codes)} channels; "
-                        "values and attributes that come back different",
-            }  # fmt: skip
+                "values and attributes that come back different",
+            }
         found[OURS]["error"] = found[PLAIN]["error"] = float(len(different(session, plain)))
         with h5py.File(bare, "r") as file:
             names = [f"{run.name}/data/{channel.name}" for run in runs for channel in plan.channels]
             found[CODES]["error"] = float(
-                sum(not np.array_equal(file[n][:], codes[k % len(codes)]) for k, n in enumerate(names))
+                sum(
+                    not np.array_equal(file[n][:], codes[k % len(codes)])
+                    for k, n in enumerate(names)
+                )
             )
         times = interleaved(calls, rounds)
         for name, seconds in times.items():
@@ -107,7 +123,9 @@ def _ours(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes) 
         for run in plan.runs:
             first = 0
             for count in blocks:
-                writer.append(run.name, Block(first, codes[:, first : first + count], flags, clipped, False))
+                writer.append(
+                    run.name, Block(first, codes[:, first : first + count], flags, clipped, False)
+                )
                 first += count
             writer.write_ledger(run.name, 0, ledger)
             writer.finish(run.name, scalars)
@@ -127,7 +145,10 @@ def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes)
         status = file["session/status"]
         for number, run in enumerate(plan.runs):
             entry, first = file[run.name], 0
-            channels, table = [entry["data"][channel.name] for channel in plan.channels], entry["blocks"]
+            channels, table = (
+                [entry["data"][channel.name] for channel in plan.channels],
+                entry["blocks"],
+            )
             for used, count in enumerate(blocks):
                 for row, data in enumerate(channels):
                     data[first : first + count] = codes[row, first : first + count]
@@ -137,7 +158,10 @@ def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes)
                 first += count
                 status[number] = np.array((first, used + 1, 0, 0), status_dtype)
                 status.flush()
-            for name, values in (("truth/ledger", ledger), ("scalars", np.array(list(scalars.values())))):
+            for name, values in (
+                ("truth/ledger", ledger),
+                ("scalars", np.array(list(scalars.values()))),
+            ):
                 entry[name][...] = values
                 entry[name].flush()
             status[number] = np.array((first, len(blocks), 1, 0), status_dtype)
@@ -146,10 +170,16 @@ def _plain(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: Codes)
 
 def _session(file: Any, plan: SessionPlan) -> None:
     """Write the root and `session`."""
-    _attributes(file, {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs})
+    _attributes(
+        file,
+        {"NX_class": "NXroot", "default": plan.runs[0].name, "schema": plan.schema, **plan.attrs},
+    )
     file.attrs["synthetic"] = plan.synthetic
     session = _group(file, "session", {"NX_class": "NXentry", "rate": float(plan.rate)})
-    runs = [replace(run, rate=float(run.rate or plan.rate), ledger_cycles=run.ledger_cycles) for run in plan.runs]
+    runs = [
+        replace(run, rate=float(run.rate or plan.rate), ledger_cycles=run.ledger_cycles)
+        for run in plan.runs
+    ]
     documents = {**plan.documents, "protocol": plan.protocol, "conditions": list(plan.conditions),
                  "runs": [asdict(run) for run in runs], "scalars": list(plan.scalars)}  # fmt: skip
     for name, value in documents.items():
@@ -168,12 +198,16 @@ def _run(file: Any, run: RunPlan, plan: SessionPlan) -> None:
     entry = _group(file, run.name, run_attributes(replace(run, rate=float(run.rate or plan.rate))))
     data = _group(entry, "data", data_attributes(plan.channels))
     for channel in plan.channels:
-        signal = data.create_dataset(channel.name, run.samples, "<i4", chunks=(min(CHUNK, run.samples),))
+        signal = data.create_dataset(
+            channel.name, run.samples, "<i4", chunks=(min(CHUNK, run.samples),)
+        )
         _attributes(signal, signal_attributes(channel))
     entry.create_dataset("blocks", run.blocks, block_dtype(len(plan.channels)))
     _attributes(entry.create_dataset("scalars", len(plan.scalars), "<f8"), {"names": plan.scalars})
     truth = _group(entry, "truth", {"NX_class": "NXcollection"})
-    ledger = truth.create_dataset("ledger", (run.ledger_cycles or plan.ledger_cycles, len(plan.ledger_columns)), "<f8")
+    ledger = truth.create_dataset(
+        "ledger", (run.ledger_cycles or plan.ledger_cycles, len(plan.ledger_columns)), "<f8"
+    )
     _attributes(ledger, {"columns": plan.ledger_columns, "units": "J"})
 
 
@@ -204,7 +238,10 @@ def _codes_alone(path: Path, plan: SessionPlan, blocks: tuple[int, ...], codes: 
         for run in plan.runs:
             for channel in plan.channels:
                 file.create_dataset(
-                    f"{run.name}/data/{channel.name}", run.samples, "<i4", chunks=(min(CHUNK, run.samples),)
+                    f"{run.name}/data/{channel.name}",
+                    run.samples,
+                    "<i4",
+                    chunks=(min(CHUNK, run.samples),),
                 )
         for run in plan.runs:
             first = 0
@@ -235,7 +272,9 @@ def different(one: Path, other: Path) -> list[str]:
                 found.append(name)
             keys = set(x.attrs) ^ set(y.attrs)
             keys |= {
-                key for key in set(x.attrs) & set(y.attrs) if _plain_value(x.attrs[key]) != _plain_value(y.attrs[key])
+                key
+                for key in set(x.attrs) & set(y.attrs)
+                if _plain_value(x.attrs[key]) != _plain_value(y.attrs[key])
             }
             found += [f"{name}@{key}" for key in sorted(keys)]
     return found

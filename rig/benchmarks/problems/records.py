@@ -15,7 +15,13 @@ import numpy as np
 from analysis.pipeline import read_session
 from analysis.results.report import Report
 from daq.chain.acquisition import Emulated
-from daq.chain.channel import AnalyzerSpec, Channel, certified_state, ideal_analyzer, ideal_transducer
+from daq.chain.channel import (
+    AnalyzerSpec,
+    Channel,
+    certified_state,
+    ideal_analyzer,
+    ideal_transducer,
+)
 from daq.chain.fir import DELAY, STAGE1, STAGE2
 from daq.chain.frontend import FrontEnd
 from daq.session.record import open_session
@@ -73,7 +79,9 @@ def fill(rounds: int) -> list[Row]:
         for count in counts:
             times[count].append(recording_seconds(campaign, count))
     rows = [
-        _against_rig_time(f"recording, {count} worker{'s' * (count > 1)}", values, campaign.rig_time)
+        _against_rig_time(
+            f"recording, {count} worker{'s' * (count > 1)}", values, campaign.rig_time
+        )
         for count, values in times.items()
     ]
     with tempfile.TemporaryDirectory() as folder:
@@ -82,24 +90,38 @@ def fill(rounds: int) -> list[Row]:
         whole = [timed_process([*command, f"{folder}/{number}"], ROOT) for number in range(rounds)]
         start = [timed_process([*RIG, "run", "--help"], ROOT) for _ in range(rounds)]
         modules = imported_by([*command[len(RIG) :], f"{folder}/last"], ROOT)
-        imports = [timed_process([sys.executable, "-c", IMPORTS, *modules], ROOT) for _ in range(rounds)]
+        imports = [
+            timed_process([sys.executable, "-c", IMPORTS, *modules], ROOT) for _ in range(rounds)
+        ]
     rows.append(_against_rig_time(f"{WHOLE}, {counts[-1]} workers", whole, campaign.rig_time))
     rows += [
-        {"kind": "fill", "problem": "fill protocol", "method": method, "s": spread(seconds), "rig_time_s": None,
-         "times_faster": None, "failure": None}
+        {
+            "kind": "fill",
+            "problem": "fill protocol",
+            "method": method,
+            "s": spread(seconds),
+            "rig_time_s": None,
+            "times_faster": None,
+            "failure": None,
+        }
         for method, seconds in (
             ("of it: Python and the command line alone (--help)", start),
             ("of it: an interpreter that imports the same modules, one after the other", imports),
         )
-    ]  # fmt: skip
+    ]
     return rows + workers(times)
 
 
 def _against_rig_time(method: str, seconds: list[float], rig_time: float) -> Row:
     return {
-        "kind": "fill", "problem": "fill protocol", "method": method, "s": spread(seconds), "rig_time_s": rig_time,
-        "times_faster": spread([rig_time / value for value in seconds]), "failure": None,
-    }  # fmt: skip
+        "kind": "fill",
+        "problem": "fill protocol",
+        "method": method,
+        "s": spread(seconds),
+        "rig_time_s": rig_time,
+        "times_faster": spread([rig_time / value for value in seconds]),
+        "failure": None,
+    }
 
 
 def memory() -> list[Row]:
@@ -112,13 +134,30 @@ def memory() -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         for minutes in (1, 100):
             arguments = [
-                "run", str(FILL), "--out", f"{folder}/{minutes}", "--set", "vary={}", "--set", "repeats.n=1", "--set",
-                f"acquire.record={1200 * minutes} cycles", "--force",
-            ]  # fmt: skip
+                "run",
+                str(FILL),
+                "--out",
+                f"{folder}/{minutes}",
+                "--set",
+                "vary={}",
+                "--set",
+                "repeats.n=1",
+                "--set",
+                f"acquire.record={1200 * minutes} cycles",
+                "--force",
+            ]
             if not rows:
                 baseline = weighed_imports(imported_by(arguments, ROOT), ROOT)
-                rows.append({"kind": "memory", "problem": "an interpreter with the same imports", "method": "-",
-                             "writer_MB": baseline, "worker_MB": None, "failure": None})  # fmt: skip
+                rows.append(
+                    {
+                        "kind": "memory",
+                        "problem": "an interpreter with the same imports",
+                        "method": "-",
+                        "writer_MB": baseline,
+                        "worker_MB": None,
+                        "failure": None,
+                    }
+                )
             writer, worker = run_process(arguments, ROOT)
             rows.append({"kind": "memory", "problem": "rig run, one run",
                          "method": f"{minutes} min of rig time", "writer_MB": writer, "worker_MB": worker,
@@ -154,9 +193,14 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
     t = (np.arange(8 * samples) + 0.5) / 8.0
     wanted, alias = np.sin(2.0 * np.pi * 0.2 * t), np.sin(2.0 * np.pi * 0.83 * t)
     volts = np.tile(0.1 * (wanted + 0.5 * alias), (len(tools.channels), 1))
-    silent = [replace(channel, transducer=ideal_transducer(channel.transducer.quantity)) for channel in tools.channels]
+    silent = [
+        replace(channel, transducer=ideal_transducer(channel.transducer.quantity))
+        for channel in tools.channels
+    ]
 
-    def ours(channels: Sequence[Channel] = tools.channels, analyzer: AnalyzerSpec = tools.analyzer) -> Array:
+    def ours(
+        channels: Sequence[Channel] = tools.channels, analyzer: AnalyzerSpec = tools.analyzer
+    ) -> Array:
         states = [certified_state(channel) for channel in channels]
         noise = [np.random.Generator(np.random.SFC64(0)) for _ in states]
         front = FrontEnd(analyzer, channels, states, rate, noise, samples)
@@ -174,10 +218,17 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
         return np.asarray(upfirdn(STAGE2, upfirdn(STAGE1, volts, 1, 4, axis=1), 1, 2, axis=1)[0])
 
     n = np.arange(samples)
-    first, second = "front end: filter, noise, codes, flags (ours)", "scipy.signal.upfirdn, one stage, filter alone"
+    first, second = (
+        "front end: filter, noise, codes, flags (ours)",
+        "scipy.signal.upfirdn, one stage, filter alone",
+    )
     third = "scipy.signal.upfirdn, our two stages, filter alone"
     calls = {first: ours, second: theirs, third: two_stages}
-    checks: tuple[Callable[[], Array], ...] = (partial(ours, silent, ideal_analyzer()), theirs, two_stages)
+    checks: tuple[Callable[[], Array], ...] = (
+        partial(ours, silent, ideal_analyzer()),
+        theirs,
+        two_stages,
+    )
     delays = (DELAY - 0.5 / 8.0, (taps - 1) / 2.0 / 8.0 - 0.5 / 8.0, DELAY - 0.5 / 8.0)
     rows: dict[str, Row] = {}
     for (name, call), check, delay in zip(calls.items(), checks, delays, strict=True):
@@ -186,10 +237,14 @@ def acquisition(rounds: int, quick: bool) -> list[Row]:
         inside = slice(200, samples - 200)
         exact = 0.1 * np.sin(2.0 * np.pi * 0.2 * (n - delay))
         rows[name] = {
-            "kind": "part", "problem": "acquisition", "method": name, "failure": None, "memory_kB": kilobytes,
+            "kind": "part",
+            "problem": "acquisition",
+            "method": name,
+            "failure": None,
+            "memory_kB": kilobytes,
             "error": float(np.sqrt(np.mean((found[:samples][inside] - exact[inside]) ** 2)) / 0.1),
             "what": f"2 channels of {samples} samples; rms error of a tone at 0.2 of the rate, one at 0.83 beside it",
-        }  # fmt: skip
+        }
     times = interleaved(calls, rounds)
     for name, seconds in times.items():
         rows[name]["ms"] = spread([1e3 * value for value in seconds])
@@ -202,7 +257,10 @@ def reading(rounds: int, quick: bool) -> list[Row]:
     short and long runs.
     """
     long = fill_campaign("vary={}", "repeats=2", f"acquire.record={2000 if quick else 4000} cycles")
-    problems = (("reading, short runs", fill_campaign(f"repeats={1 if quick else 2}")), ("reading, long runs", long))
+    problems = (
+        ("reading, short runs", fill_campaign(f"repeats={1 if quick else 2}")),
+        ("reading, long runs", long),
+    )
     return [row for problem, campaign in problems for row in _reading(problem, campaign, rounds)]
 
 
@@ -218,17 +276,25 @@ def _reading(problem: str, campaign: Campaign, rounds: int) -> list[Row]:
         }
         with open_session(path) as record:
             truth = record.truth
-            exact = {r.name: _true_energy(truth, r.name, campaign) for r in record.runs} if truth else {}
+            exact = (
+                {r.name: _true_energy(truth, r.name, campaign) for r in record.runs}
+                if truth
+                else {}
+            )
         rows: dict[str, Row] = {}
         cycles = campaign.conditions[0].acquire.record
         for name, call in calls.items():
             call()
             found, kilobytes = peak_memory(call)
             rows[name] = {
-                "kind": "part", "problem": problem, "method": name, "failure": None, "memory_kB": kilobytes,
+                "kind": "part",
+                "problem": problem,
+                "method": name,
+                "failure": None,
+                "memory_kB": kilobytes,
                 "error": float(np.median([abs(found[key] / exact[key] - 1.0) for key in exact])),
                 "what": f"{len(campaign.runs)} runs of {cycles} cycles; median error of W at the gauge, by the ledger",
-            }  # fmt: skip
+            }
         times = interleaved(calls, rounds)
         for name, seconds in times.items():
             rows[name]["ms"] = spread([1e3 * value for value in seconds])
@@ -271,7 +337,8 @@ def _plain(path: Path) -> dict[str, float]:
             data, rate = file[name]["data"], float(file[name].attrs["rate"])
             first = int(file[name].attrs["settle_samples"])
             F, a = (
-                (data[channel][first:] * data[channel].attrs["scale"]) / data[channel].attrs["sensitivity"]
+                (data[channel][first:] * data[channel].attrs["scale"])
+                / data[channel].attrs["sensitivity"]
                 for channel in ("force", "acceleration")
             )
             per_cycle = round(rate / 20.0)

@@ -23,14 +23,24 @@ is below 5e-13 of m V^2.
 
 
 def energies(
-    band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    start: tuple[int, float, float],
+    cycles: int,
 ) -> list[float]:
     """Return the energy lost in each cycle, m V^2 (symbols: `rig.benchmarks.problems.sliders`)."""
-    return followed(band, play, restitution, gravity, start, cycles)[0]
+    return followed(band, clearance, restitution, gravity, start, cycles)[0]
 
 
 def followed(
-    band: float, play: float, restitution: float, gravity: float, start: tuple[int, float, float], cycles: int
+    band: float,
+    clearance: float,
+    restitution: float,
+    gravity: float,
+    start: tuple[int, float, float],
+    cycles: int,
 ) -> tuple[list[float], float, float]:
     """Return (energy lost in each cycle, position, velocity after the last one)."""
     lost = [0.0] * cycles
@@ -39,18 +49,18 @@ def followed(
     t = 0.0
     while t < end:
         if mode == 0:
-            t, mode = _release(t, u, band, play, gravity, end)
+            t, mode = _release(t, u, band, clearance, gravity, end)
             z = 0.0
             continue
         arrival = _Flight(t, u, z, mode * band + gravity)
-        until, kind = _next(arrival, mode, band, play, end)
+        until, kind = _next(arrival, mode, band, clearance, end)
         # A slide over the end of a cycle is divided between the cycles.
         for k in range(int(t / (2.0 * math.pi)), min(int(until / (2.0 * math.pi)), cycles - 1) + 1):
             first, last = max(t, 2.0 * math.pi * k), min(until, 2.0 * math.pi * (k + 1))
             lost[k] += band * abs(arrival.place(last) - arrival.place(first))
         u, z, t = arrival.place(until), arrival.speed(until), until
         if kind == "wall":
-            u = play if z > 0.0 else 0.0
+            u = clearance if z > 0.0 else 0.0
             back = -restitution * z if restitution * abs(z) >= CHATTER else 0.0
             lost[min(int(t / (2.0 * math.pi)), cycles - 1)] += 0.5 * (z * z - back * back)
             z = back
@@ -74,7 +84,12 @@ class _Flight:
     def place(self, t: float) -> float:
         """Return the position at phase t."""
         d = t - self._t
-        return self._u + (self._z + self._cos) * d - (math.sin(t) - self._sin) - 0.5 * self.pull * d * d
+        return (
+            self._u
+            + (self._z + self._cos) * d
+            - (math.sin(t) - self._sin)
+            - 0.5 * self.pull * d * d
+        )
 
     def soon(self) -> float:
         """Return a phase just after the start at which a rebound still leaves the wall."""
@@ -82,7 +97,9 @@ class _Flight:
         return self._t + min(SCAN, abs(self._z) / force if force > 0.0 else SCAN)
 
 
-def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> tuple[float, str]:
+def _next(
+    flight: _Flight, mode: int, band: float, clearance: float, end: float
+) -> tuple[float, str]:
     """Return phase and kind of the first event of a flight: "wall", "stop" (only with friction) or
     "end".
     """
@@ -92,8 +109,8 @@ def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> t
         found = []
         if flight.place(after) < 0.0 and flight.speed(after) < 0.0:
             found.append((_root(flight.place, before, after), "wall"))
-        if flight.place(after) > play and flight.speed(after) > 0.0:
-            found.append((_root(lambda x: flight.place(x) - play, before, after), "wall"))
+        if flight.place(after) > clearance and flight.speed(after) > 0.0:
+            found.append((_root(lambda x: flight.place(x) - clearance, before, after), "wall"))
         if band > 0.0 and mode * flight.speed(after) < 0.0:
             found.append((_root(flight.speed, before, after), "stop"))
         if found:
@@ -102,16 +119,18 @@ def _next(flight: _Flight, mode: int, band: float, play: float, end: float) -> t
     return end, "end"
 
 
-def _release(t: float, u: float, band: float, play: float, gravity: float, end: float) -> tuple[float, int]:
+def _release(
+    t: float, u: float, band: float, clearance: float, gravity: float, end: float
+) -> tuple[float, int]:
     """Return the phase from t on at which a mass at rest starts to move, and the direction; (end,
     0) for never.
     """
     while t < end:
-        mode = _thrown(t, u, band, play, gravity)
+        mode = _thrown(t, u, band, clearance, gravity)
         if mode:
             return t, mode
         after = min(t + SCAN, end)
-        mode = _thrown(after, u, band, play, gravity)
+        mode = _thrown(after, u, band, clearance, gravity)
         if mode:
             return _root(partial(_excess, gravity + mode * band), t, after), mode
         t = after
@@ -122,13 +141,13 @@ def _excess(level: float, t: float) -> float:
     return math.sin(t) - level
 
 
-def _thrown(t: float, u: float, band: float, play: float, gravity: float) -> int:
+def _thrown(t: float, u: float, band: float, clearance: float, gravity: float) -> int:
     # A computed root may lie within round-off below its level: a push 4e-15 short of the band
     # counts as reaching it, if it still grows.
     """Return the direction in which a mass at rest at phase t starts to move, 0 where it stays."""
     push = math.sin(t) - gravity
     rising = math.cos(t) > 0.0
-    if u < play and (push > band or (push > band - 4e-15 and rising)):
+    if u < clearance and (push > band or (push > band - 4e-15 and rising)):
         return 1
     if u > 0.0 and (push < -band or (push < -band + 4e-15 and not rising)):
         return -1

@@ -27,7 +27,7 @@ def layers(count: float) -> None:
     place = np.linspace(0.0, 1.0, int(count))
     known = np.linspace(0.0, 1.0, stack.threshold.size)
     threshold = np.interp(place, known, stack.threshold)
-    layers_total(threshold, np.tile(stack.play[0], (threshold.size, 1)), 1.0, 0.0, 5.0, 20.0)
+    layers_total(threshold, np.tile(stack.clearance[0], (threshold.size, 1)), 1.0, 0.0, 5.0, 20.0)
 
 
 def rows(count: float) -> None:
@@ -52,10 +52,14 @@ def grains(count: float) -> None:
     fits.
     """
     standard = bed(5.0)
-    per_grain = np.pi / 6.0 * standard.condition.scene.grains.diameter**3 / standard.rig.packing_shaken
+    per_grain = (
+        np.pi / 6.0 * standard.condition.scene.grains.diameter**3 / standard.rig.packing_shaken
+    )
     cavity = standard.condition.scene.cavity
     volume = cavity.length * cavity.width * cavity.height * standard.condition.scene.grains.fill
-    diameter = standard.condition.scene.grains.diameter * (volume / per_grain / count) ** (1.0 / 3.0)
+    diameter = standard.condition.scene.grains.diameter * (volume / per_grain / count) ** (
+        1.0 / 3.0
+    )
     found = bed(5.0, 8, (f"scene.grains.diameter={diameter!r}",))
     predict(found.condition, found.rig)
 
@@ -63,17 +67,32 @@ def grains(count: float) -> None:
 def _records(setting: str) -> None:
     sets = ["acquire.settle=2 cycles", "drive.acceleration=2", "repeats=1", setting]
     loaded = load_protocol(PROTOCOL, sets=sets)
-    campaign = campaign_of(loaded, load_rig("default"), "")
+    campaign = campaign_of(loaded, load_rig("paper"), "")
     for _ in assemble(campaign, campaign.runs[0]):
         pass
 
 
 AXES: dict[str, tuple[Callable[[float], None], Sequence[float], Sequence[float], str]] = {
-    "layers": (layers, (64, 256, 1024, 4096), (64, 512, 4096), "closed tier, 5 m/s2, 8 rows per layer"),
+    "layers": (
+        layers,
+        (64, 256, 1024, 4096),
+        (64, 512, 4096),
+        "closed tier, 5 m/s2, 8 rows per layer",
+    ),
     "rows": (rows, (8, 32, 128, 512), (8, 64, 512), "closed tier, 5 m/s2, 85 layers"),
     "cycles": (cycles, (64, 256, 1024, 2048), (64, 256, 1024), "stand and acquisition, 2 m/s2"),
-    "samples": (samples, (512, 1280, 2560, 5120), (512, 1280, 2560), "stand and acquisition, 40 cycles, per cycle"),
-    "grains": (grains, (1e5, 1e6, 1e7, 1e8, 1e9, 1e10), (1e5, 1e7, 1e10), "both tiers of W_T, diameter changes"),
+    "samples": (
+        samples,
+        (512, 1280, 2560, 5120),
+        (512, 1280, 2560),
+        "stand and acquisition, 40 cycles, per cycle",
+    ),
+    "grains": (
+        grains,
+        (1e5, 1e6, 1e7, 1e8, 1e9, 1e10),
+        (1e5, 1e7, 1e10),
+        "both tiers of W_T, diameter changes",
+    ),
 }
 
 

@@ -1,14 +1,14 @@
-"""Sliders and slugs with a known answer, on which the integrators are compared.
+"""Sliders and single masses with a known answer, on which the integrators are compared.
 
 One mass in a box that moves as x = sin theta; units of the waveform (acceleration A, velocity
-A/omega, length A/omega^2, energy m V^2). u in [0, play] is the mass's position in the box, z = u'
-its velocity against the box:
+A/omega, length A/omega^2, energy m V^2). u in [0, clearance] is the mass's position in the box, z =
+u' its velocity against the box:
 
-    z' = sin(theta) - gravity - band sign(z),    u = 0 or play: z -> -restitution z,
+    z' = sin(theta) - gravity - band sign(z),    u = 0 or clearance: z -> -restitution z,
 
 and where z = 0 the mass rests as long as |sin(theta) - gravity| <= band or a wall is in its way.
-`band` > 0 makes a slider with Coulomb friction, `gravity` = 1/Gamma > 0 a slug on a floor, with a
-lid at `play` where that is finite.
+`band` > 0 makes a slider with Coulomb friction, `gravity` = 1/Gamma > 0 a single mass on a floor,
+with a lid at `clearance` where that is finite.
 """
 
 import math
@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 from rig.benchmarks.problems.reference import energies
 
 WIDE = 40.0
-"""Free play out of reach: a slider without friction in so wide a box would need more than 8 cycles
-to cross it.
+"""Free clearance out of reach: a slider without friction in so wide a box would need more than 8
+cycles to cross it.
 """
 
 START_MIDDLE = 20.0
@@ -40,7 +40,7 @@ class Slider:
 
     name: str
     band: float
-    play: float
+    clearance: float
     restitution: float
     gravity: float
     exact: float
@@ -68,71 +68,110 @@ def resting_block(eta: float) -> Slider:
     sin theta = eta.
     """
     begin = math.asin(eta)
-    stop = _root(lambda t: math.cos(begin) - math.cos(t) - eta * (t - begin), math.pi - begin, begin + math.pi)
+    stop = _root(
+        lambda t: math.cos(begin) - math.cos(t) - eta * (t - begin),
+        math.pi - begin,
+        begin + math.pi,
+    )
     way = math.cos(begin) * (stop - begin) - math.sin(stop) + eta - 0.5 * eta * (stop - begin) ** 2
-    return Slider(f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, 2.0 * eta * way, start=(0, START_MIDDLE, 0.0))
+    return Slider(
+        f"block, eta {eta:g}", eta, WIDE, 0.0, 0.0, 2.0 * eta * way, start=(0, START_MIDDLE, 0.0)
+    )
 
 
-def weightless(play: float) -> Slider:
-    """Return a plastic slider without friction (zero gravity), play <= pi: tau - sin tau = play, W
-    = (1 - cos tau)^2.
+def weightless(clearance: float) -> Slider:
+    """Return a plastic slider without friction (zero gravity), clearance <= pi: tau - sin tau =
+    clearance, W = (1 - cos tau)^2.
     """
-    tau = _root(lambda t: t - math.sin(t) - play, 0.0, 2.0 * math.pi)
-    return Slider(f"weightless, gap {play:g}", 0.0, play, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2)
+    tau = _root(lambda t: t - math.sin(t) - clearance, 0.0, 2.0 * math.pi)
+    return Slider(
+        f"weightless, gap {clearance:g}", 0.0, clearance, 0.0, 0.0, (1.0 - math.cos(tau)) ** 2
+    )
 
 
-def rough(band: float, play: float) -> Slider:
+def rough(band: float, clearance: float) -> Slider:
     """Return a plastic slider with friction that reaches the other wall and waits there: W = 2 band
-    play + z^2.
+    clearance + z^2.
 
-    It leaves where sin theta = band; `play` must be small enough for it to arrive while it is still
-    pressed on.
+    It leaves where sin theta = band; `clearance` must be small enough for it to arrive while it is
+    still pressed on.
     """
     begin = math.asin(band)
 
     def way(t: float) -> float:
-        return math.cos(begin) * (t - begin) - math.sin(t) + band - 0.5 * band * (t - begin) ** 2 - play
+        return (
+            math.cos(begin) * (t - begin)
+            - math.sin(t)
+            + band
+            - 0.5 * band * (t - begin) ** 2
+            - clearance
+        )
 
     hit = _root(way, begin, begin + math.pi)
     z = math.cos(begin) - math.cos(hit) - band * (hit - begin)
-    return Slider(f"friction {band:g}, gap {play:g}", band, play, 0.0, 0.0, 2.0 * band * play + z * z)
+    return Slider(
+        f"friction {band:g}, gap {clearance:g}",
+        band,
+        clearance,
+        0.0,
+        0.0,
+        2.0 * band * clearance + z * z,
+    )
 
 
-def elastic(band: float, play: float, restitution: float, settle: int = 8) -> Slider:
+def elastic(band: float, clearance: float, restitution: float, settle: int = 8) -> Slider:
     """Return a slider that rebounds; the answer comes from `reference`, closed flights with
     independent root finding.
     """
-    found = energies(band, play, restitution, 0.0, (0, 0.0, 0.0), settle + 1)
+    found = energies(band, clearance, restitution, 0.0, (0, 0.0, 0.0), settle + 1)
     return Slider(
-        f"e {restitution:g}, friction {band:g}", band, play, restitution, 0.0, found[-1], "reference",
+        f"e {restitution:g}, friction {band:g}",
+        band,
+        clearance,
+        restitution,
+        0.0,
+        found[-1],
+        "reference",
         settle=settle,
-    )  # fmt: skip
+    )
 
 
-def slug(level: float) -> Slider:
-    """Return a plastic slug on a floor without a lid, Gamma = `level`: leaves where sin theta =
-    1/Gamma, lands at the first root.
+def single_mass(level: float) -> Slider:
+    """Return a plastic single mass on a floor without a lid, Gamma = `level`: leaves where sin
+    theta = 1/Gamma, lands at the first root.
     """
     gravity = 1.0 / level
     begin = math.asin(gravity)
 
     def height(t: float) -> float:
-        return math.cos(begin) * (t - begin) - math.sin(t) + gravity - 0.5 * gravity * (t - begin) ** 2
+        return (
+            math.cos(begin) * (t - begin) - math.sin(t) + gravity - 0.5 * gravity * (t - begin) ** 2
+        )
 
     apex = _root(
-        lambda t: math.cos(begin) - math.cos(t) - gravity * (t - begin), math.pi - begin, begin + 3.0 * math.pi
+        lambda t: math.cos(begin) - math.cos(t) - gravity * (t - begin),
+        math.pi - begin,
+        begin + 3.0 * math.pi,
     )
     land = _root(height, apex, apex + 2.0 * math.pi)
     z = math.cos(begin) - math.cos(land) - gravity * (land - begin)
-    return Slider(f"slug, Gamma {level:g}", 0.0, WIDE, 0.0, gravity, 0.5 * z * z)
+    return Slider(f"single mass, Gamma {level:g}", 0.0, WIDE, 0.0, gravity, 0.5 * z * z)
 
 
-def lidded_slug(level: float, gap: float) -> Slider:
-    """Return a plastic slug that is thrown against a lid and falls back when the box's acceleration
-    allows.
+def lidded_single_mass(level: float, gap: float) -> Slider:
+    """Return a plastic single mass that is thrown against a lid and falls back when the box's
+    acceleration allows.
     """
     found = energies(0.0, gap, 0.0, 1.0 / level, (0, 0.0, 0.0), 5)
-    return Slider(f"slug, Gamma {level:g}, gap {gap:g}", 0.0, gap, 0.0, 1.0 / level, found[-1], "reference")
+    return Slider(
+        f"single mass, Gamma {level:g}, gap {gap:g}",
+        0.0,
+        gap,
+        0.0,
+        1.0 / level,
+        found[-1],
+        "reference",
+    )
 
 
 @lru_cache
@@ -140,15 +179,21 @@ def sliders() -> tuple[Slider, ...]:
     """Return the sliders of the comparison: friction without rest, with rest, impacts without
     friction, both, and a rebound.
     """
-    return sliding_block(0.3), resting_block(0.7), weightless(1.0), rough(0.1, 1.3), elastic(0.2, 1.3, 0.25)
+    return (
+        sliding_block(0.3),
+        resting_block(0.7),
+        weightless(1.0),
+        rough(0.1, 1.3),
+        elastic(0.2, 1.3, 0.25),
+    )
 
 
 @lru_cache
-def slugs() -> tuple[Slider, ...]:
-    """Return the slugs of the comparison: barely thrown (the gap grows like t^3), thrown, thrown
-    far, and against a lid.
+def single_masses() -> tuple[Slider, ...]:
+    """Return the single masses of the comparison: barely thrown (the gap grows like t^3), thrown,
+    thrown far, and against a lid.
     """
-    return slug(1.01), slug(1.5), slug(2.5), lidded_slug(4.0, 1.0)
+    return single_mass(1.01), single_mass(1.5), single_mass(2.5), lidded_single_mass(4.0, 1.0)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

@@ -43,11 +43,11 @@ def sliding(found: StandardBed) -> list[Slider]:
     """Return the rows of a bed that slide, in units of the waveform."""
     level, omega = found.condition.drive.acceleration, 2.0 * np.pi * found.condition.drive.frequency
     rows = []
-    for threshold, plays in zip(found.stack.threshold, found.stack.play, strict=True):
+    for threshold, clearances in zip(found.stack.threshold, found.stack.clearance, strict=True):
         if threshold >= level:
             continue  # the friction holds this layer throughout
-        for play in plays:
-            length = float(play) * omega**2 / level
+        for clearance in clearances:
+            length = float(clearance) * omega**2 / level
             rows.append(Slider("", threshold / level, length, found.stack.restitution, 0.0, 0.0))
     return rows
 
@@ -78,7 +78,9 @@ def exact(found: StandardBed) -> float:
     """
 
     def counted(row: Slider) -> float:
-        lost = energies(row.band, row.play, row.restitution, 0.0, (0, 0.0, 0.0), SETTLE + AVERAGE)
+        lost = energies(
+            row.band, row.clearance, row.restitution, 0.0, (0, 0.0, 0.0), SETTLE + AVERAGE
+        )
         return sum(lost[SETTLE:]) / AVERAGE
 
     return by_rows(found, counted)
@@ -98,13 +100,20 @@ def _compared(found: StandardBed, level: float, rounds: int, quick: bool) -> lis
     methods = {method.name: method for method in METHODS}
     for name, settings in SETTINGS.items():
         for setting in settings[:1] if quick else settings:
-            calls[name, setting] = partial(by_rows, found, partial(_energy, methods[name].solve, setting))
+            calls[name, setting] = partial(
+                by_rows, found, partial(_energy, methods[name].solve, setting)
+            )
     rows: dict[tuple[str, float], Row] = {}
     for key, call in calls.items():
         row: Row = {
-            "kind": "small_bed", "problem": f"{len(sliding(found))} rows, {level:g} m/s2", "level": level,
-            "method": key[0], "setting": key[1], "cycles": SETTLE + AVERAGE, "failure": None,
-        }  # fmt: skip
+            "kind": "small_bed",
+            "problem": f"{len(sliding(found))} rows, {level:g} m/s2",
+            "level": level,
+            "method": key[0],
+            "setting": key[1],
+            "cycles": SETTLE + AVERAGE,
+            "failure": None,
+        }
         try:
             energy = call()
         except Failed as error:

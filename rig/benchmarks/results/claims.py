@@ -56,7 +56,9 @@ def judged(rows: Sequence[Row]) -> list[Row]:
             if not ours or not ours[0].reached or not rivals:
                 continue
             # A rival that reaches the error beats any that does not, however fast.
-            best = min(rivals, key=lambda name: (not rivals[name][0].reached, _median(rivals[name])))
+            best = min(
+                rivals, key=lambda name: (not rivals[name][0].reached, _median(rivals[name]))
+            )
             theirs = rivals[best]
             # No rival reaches the error: the ratio is a lower bound.
             bound |= not theirs[0].reached
@@ -103,14 +105,24 @@ def checked(rows: Sequence[Row]) -> list[Row]:
     if weighed:
         short, long = weighed[0], weighed[-1]
         grown = max(long[who] - short[who] for who in ("writer_MB", "worker_MB"))
-        found.append(_check(f"memory, {long['method']}: MB more than for {short['method']}", grown, 5.0))
+        found.append(
+            _check(f"memory, {long['method']}: MB more than for {short['method']}", grown, 5.0)
+        )
     tier = [row for row in _of(rows, "layers") if row["method"] == "closed tier, 8 rows"]
     if tier:
         found.append(
-            _check("closed tier, 8 rows: ms a condition, slowest level", max(row["ms"]["median"] for row in tier), 10.0)
+            _check(
+                "closed tier, 8 rows: ms a condition, slowest level",
+                max(row["ms"]["median"] for row in tier),
+                10.0,
+            )
         )
         found.append(
-            _check("closed tier, 8 rows: relative error of W_T, worst level", max(row["error"] for row in tier), 5e-3)
+            _check(
+                "closed tier, 8 rows: relative error of W_T, worst level",
+                max(row["error"] for row in tier),
+                5e-3,
+            )
         )
     found += [
         _check(
@@ -119,15 +131,21 @@ def checked(rows: Sequence[Row]) -> list[Row]:
             20.0,
             least=True,
         )
-        for row in _of(rows, "coupled")
+        for row in _of(rows, "shaker")
     ]
     found += [
-        _check(f"account of bed {row['problem']}, {row['cycles']} cycles: relative drift", row["drift"], 1e-9)
+        _check(
+            f"account of bed {row['problem']}, {row['cycles']} cycles: relative drift",
+            row["drift"],
+            1e-9,
+        )
         for row in _of(rows, "drift")
     ]
     found += [
         {
-            **_check(f"cost over {row['axis']}: exponent, error {row['error']:.2f}", row["exponent"], 1.0),
+            **_check(
+                f"cost over {row['axis']}: exponent, error {row['error']:.2f}", row["exponent"], 1.0
+            ),
             "held": row["at_most_linear"],
         }
         for row in _of(rows, "exponent")
@@ -142,10 +160,23 @@ def _of(rows: Sequence[Row], kind: str) -> list[Row]:
 
 def _check(what: str, value: float, limit: float, least: bool = False) -> Row:
     held = value >= limit if least else value <= limit
-    return {"kind": "check", "what": what, "found": value, "limit": limit, "least": least, "held": held}
+    return {
+        "kind": "check",
+        "what": what,
+        "found": value,
+        "limit": limit,
+        "least": least,
+        "held": held,
+    }
 
 
-def _row(claim: Claim, problem: str, rival: str, times: Sequence[tuple[list[float], list[float]]], bound: bool) -> Row:
+def _row(
+    claim: Claim,
+    problem: str,
+    rival: str,
+    times: Sequence[tuple[list[float], list[float]]],
+    bound: bool,
+) -> Row:
     """Return the row of a claim from the times of rival and ours, per problem and round."""
     theirs, ours = zip(*times, strict=True)
     slow = [sum(values) for values in zip(*theirs, strict=True)]

@@ -41,7 +41,10 @@ def exponent(sizes: Sequence[float], seconds: Sequence[float]) -> tuple[float, f
     """Return (slope of log time over log size by least squares, its standard error, 0 for two
     points).
     """
-    x, y = np.log(np.asarray(sizes, dtype=np.float64)), np.log(np.asarray(seconds, dtype=np.float64))
+    x, y = (
+        np.log(np.asarray(sizes, dtype=np.float64)),
+        np.log(np.asarray(seconds, dtype=np.float64)),
+    )
     x = x - x.mean()
     slope = float(np.dot(x, y) / np.dot(x, x))
     if x.size < 3:

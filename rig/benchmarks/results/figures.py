@@ -39,7 +39,7 @@ class Drawn(NamedTuple):
 
 PRECISION = Drawn(
     "precision",
-    "Work-precision diagrams, one panel per slider or slug: microseconds per cycle against the relative error of the "
+    "Work-precision diagrams, one panel per slider or single mass: microseconds per cycle against the relative error of the "
     "energy per cycle, both logarithmic. The event-driven method is a single point at round-off in the lower left; RK4 "
     "falls with order four, the first-order methods fall slowly, solve_ivp lies thousands of times higher. The numbers "
     "are in the tables.",
@@ -92,7 +92,15 @@ def precision_figure(rows: Sequence[Row]) -> "Figure":
             x = [max(row["error"], LEAST_ERROR) for row in own]
             y = [row["us_per_cycle"]["median"] for row in own]
             large = 11.0 if mark == "*" else 3.5
-            axes.plot(x, y, color=colour, marker=mark, markersize=large, linewidth=0.9, label=SHORT[method])
+            axes.plot(
+                x,
+                y,
+                color=colour,
+                marker=mark,
+                markersize=large,
+                linewidth=0.9,
+                label=SHORT[method],
+            )
         axes.set_title(problem, loc="left")
         axes.set_xlim(1.0, 0.3 * LEAST_ERROR)
     _legend(figure, panels[0])
@@ -127,7 +135,9 @@ def scaling_figure(rows: Sequence[Row]) -> "Figure":
         x, y = [row["size"] for row in own], [row["ms"]["median"] for row in own]
         axes.plot(x, y, color=SERIES[0], marker="o", linestyle="none")
         middle_x, middle_y = (x[0] * x[-1]) ** 0.5, (y[0] * y[-1]) ** 0.5
-        axes.plot(x, [middle_y * (value / middle_x) ** fit["exponent"] for value in x], color=SERIES[-2])
+        axes.plot(
+            x, [middle_y * (value / middle_x) ** fit["exponent"] for value in x], color=SERIES[-2]
+        )
         axes.set_title(f"{fit['axis']}: exponent {fit['exponent']:.2f}", loc="left")
     return figure
 

@@ -39,7 +39,9 @@ def fitted(axis: str, what: str, seconds: Mapping[float, list[float]]) -> list[R
     found: list[Row] = []
     for size, each in seconds.items():
         ms = spread([1e3 * value for value in each])
-        found.append({"kind": "scaling", "axis": axis, "what": what, "size": size, "ms": ms, "failure": None})
+        found.append(
+            {"kind": "scaling", "axis": axis, "what": what, "size": size, "ms": ms, "failure": None}
+        )
     slope, error = exponent(sizes, [row["ms"]["median"] for row in found])
     fits = [exponent(sizes, each)[0] for each in zip(*seconds.values(), strict=True)]
     held = slope - 2.0 * error <= LINEAR if axis in CLAIMED else None

@@ -31,8 +31,8 @@ that others use, too, times scatter and long calls suffer most: look at the load
 TEXTS = {
     "claims": """## What is claimed
 
-A slider is one row of grains: a mass in a box that moves as a sine, with friction, play and
-walls; a slug is one with weight. All methods get the same ones from the same start; the error
+A slider is one row of grains: a mass in a box that moves as a sine, with friction, clearance and
+walls; a single mass is one with weight. All methods get the same ones from the same start; the error
 is that of the energy per cycle in the steady state, against closed forms or (e > 0, lid) closed
 flights with root finding of their own (`rig/benchmarks/problems/reference.py`). All have the
 same right-hand side; fixed steps take its sines from a table, except in the short steps that
@@ -106,7 +106,7 @@ Grains only set the number of layers: from 1e5 to 1e10 of them these grow as the
 
 Kernels are compiled once for each installation and kept. `first` is with an empty cache,
 `later` with a full one, each in a new process: of a method its first call, of `rig run`
-everything. Until it has paid: cycles of a slider or slug (the mean of those above, W to 1e-6)
+everything. Until it has paid: cycles of a slider or single mass (the mean of those above, W to 1e-6)
 after which the compiling and the cycles together took less than the best `solve_ivp`, which
 compiles nothing.""",
     "drift": "## Long runs",
@@ -156,7 +156,9 @@ def _ladder_words(rows: Sequence[Row]) -> dict[str, str]:
         each = [row["times"]["median"] for row in compared if row["method"] == method]
         name, _, rest = method.partition(" steps")
         kind = "steady" if rest.endswith("recurs") else "same"
-        sentences[kind].append(f"{name} steps {number(min(each), 2)} to {number(max(each), 2)} times as long")
+        sentences[kind].append(
+            f"{name} steps {number(min(each), 2)} to {number(max(each), 2)} times as long"
+        )
     return {kind: ": " * bool(words) + "; ".join(words) for kind, words in sentences.items()}
 
 

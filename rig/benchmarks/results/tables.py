@@ -80,7 +80,9 @@ def _cost(own: Sequence[Row], wanted: float) -> float | None:
     """Return a method's microseconds per cycle at the error `wanted`, None if not reached."""
     if not own:
         return None
-    cost = cost_at(wanted, [row["error"] for row in own], [row["us_per_cycle"]["median"] for row in own])
+    cost = cost_at(
+        wanted, [row["error"] for row in own], [row["us_per_cycle"]["median"] for row in own]
+    )
     return cost.seconds if cost.reached else None
 
 
@@ -131,11 +133,17 @@ def _each(rows: Sequence[Row]) -> ResultTable:
     claims = list(dict.fromkeys((row["rivals"], row["error"], row["demand"]) for row in own))
     lines = []
     for problem in dict.fromkeys(row["problem"] for row in own):
-        here = {(row["rivals"], row["error"], row["demand"]): row for row in own if row["problem"] == problem}
+        here = {
+            (row["rivals"], row["error"], row["demand"]): row
+            for row in own
+            if row["problem"] == problem
+        }
         cells = [problem]
         for claim in claims:
             row = here.get(claim)
-            cells.append(f"{'> ' * row['at_least']}{number(row['ratio']['median'])}" if row else "-")
+            cells.append(
+                f"{'> ' * row['at_least']}{number(row['ratio']['median'])}" if row else "-"
+            )
         lines.append(tuple(cells))
     columns = (
         "problem",
@@ -145,7 +153,11 @@ def _each(rows: Sequence[Row]) -> ResultTable:
         ),
     )
     return ResultTable(
-        "each", "Times as fast as the rival, problem by problem (median)", columns, tuple(lines), ("problem",)
+        "each",
+        "Times as fast as the rival, problem by problem (median)",
+        columns,
+        tuple(lines),
+        ("problem",),
     )
 
 
@@ -159,7 +171,13 @@ def _checks(rows: Sequence[Row]) -> ResultTable:
         )
         for row in _of(rows, "check")
     )
-    return ResultTable("checks", "Limits of the parts", ("what", "limit", "found", ""), lines, ("what", "limit", ""))
+    return ResultTable(
+        "checks",
+        "Limits of the parts",
+        ("what", "limit", "found", ""),
+        lines,
+        ("what", "limit", ""),
+    )
 
 
 def _costs(rows: Sequence[Row], wanted: float) -> ResultTable:
@@ -187,7 +205,9 @@ def _work(rows: Sequence[Row]) -> ResultTable:
     """
     precise = succeeded(rows)
     problems = list(dict.fromkeys(row["problem"] for row in precise))
-    problem = next((name for name in problems if name.startswith("friction")), problems[0] if problems else "")
+    problem = next(
+        (name for name in problems if name.startswith("friction")), problems[0] if problems else ""
+    )
     lines = []
     for method, short in SHORT.items():
         own = [row for row in own_rows(precise, problem, method) if row["error"] <= 1e-6]
@@ -233,7 +253,9 @@ def _states(rows: Sequence[Row]) -> ResultTable:
             for row in near[:1]
         ]
     columns = ("method", "setting", "cycles", "error of W", "error of the state")
-    return ResultTable("states", f"State after the last cycle, {problem}", columns, tuple(lines), ("method",))
+    return ResultTable(
+        "states", f"State after the last cycle, {problem}", columns, tuple(lines), ("method",)
+    )
 
 
 def _layers(rows: Sequence[Row]) -> ResultTable:
@@ -252,7 +274,15 @@ def _layers(rows: Sequence[Row]) -> ResultTable:
     return ResultTable(
         "layers",
         "The standard bed: what a model costs and what it errs",
-        ("m/s2", "model", "W_T mJ", "ms", "numerics", "against many rows", "times ours, same cycles"),
+        (
+            "m/s2",
+            "model",
+            "W_T mJ",
+            "ms",
+            "numerics",
+            "against many rows",
+            "times ours, same cycles",
+        ),
         lines,
         ("model",),
     )
@@ -272,7 +302,9 @@ def _small_beds(rows: Sequence[Row]) -> ResultTable:
         if row["failure"] is None
     )
     columns = ("bed", "method", "setting", "error of W", "ms", "times as long as ours")
-    return ResultTable("small_beds", "A bed of few rows, whole, 8 cycles", columns, lines, ("bed", "method"))
+    return ResultTable(
+        "small_beds", "A bed of few rows, whole, 8 cycles", columns, lines, ("bed", "method")
+    )
 
 
 def _fill(rows: Sequence[Row]) -> ResultTable:
@@ -286,7 +318,11 @@ def _fill(rows: Sequence[Row]) -> ResultTable:
         for row in _of(rows, "fill")
     )
     return ResultTable(
-        "fill", "The fill protocol, 160 runs", ("what", "s", "rig time s", "times faster"), lines, ("what",)
+        "fill",
+        "The fill protocol, 160 runs",
+        ("what", "s", "rig time s", "times faster"),
+        lines,
+        ("what",),
     )
 
 
@@ -302,7 +338,11 @@ def _parts(rows: Sequence[Row]) -> ResultTable:
         for row in _of(rows, "part")
     )
     return ResultTable(
-        "parts", "Parts beside their rivals", ("part", "method", "ms", "error", "kB"), lines, ("part", "method")
+        "parts",
+        "Parts beside their rivals",
+        ("part", "method", "ms", "error", "kB"),
+        lines,
+        ("part", "method"),
     )
 
 
@@ -327,8 +367,12 @@ def _exponents(rows: Sequence[Row]) -> ResultTable:
 
 
 def _sizes(rows: Sequence[Row]) -> ResultTable:
-    lines = tuple((row["axis"], f"{row['size']:g}", spread(row["ms"])) for row in _of(rows, "scaling"))
-    return ResultTable("sizes", "Times behind the exponents", ("axis", "size", "ms"), lines, ("axis",))
+    lines = tuple(
+        (row["axis"], f"{row['size']:g}", spread(row["ms"])) for row in _of(rows, "scaling")
+    )
+    return ResultTable(
+        "sizes", "Times behind the exponents", ("axis", "size", "ms"), lines, ("axis",)
+    )
 
 
 def break_even(compiling: float, own: float, rival: float) -> float | None:
@@ -347,7 +391,11 @@ def _compiling(rows: Sequence[Row]) -> ResultTable:
     lines = []
     for row in _of(rows, "compiling"):
         cost = own.get(row["method"])
-        cycles = break_even(row["compiling_s"], cost, scipy) if cost is not None and scipy is not None else None
+        cycles = (
+            break_even(row["compiling_s"], cost, scipy)
+            if cost is not None and scipy is not None
+            else None
+        )
         lines.append(
             (
                 row["method"],
@@ -358,8 +406,17 @@ def _compiling(rows: Sequence[Row]) -> ResultTable:
                 "-" if cycles is None else f"{float(f'{cycles:.2g}'):.0f}",
             )
         )
-    columns = ("what", "first s", "later s", "compiling s", "us per cycle", "cycles until it has paid")
-    return ResultTable("compiling", "Compiling: the first time and later", columns, tuple(lines), ("what",))
+    columns = (
+        "what",
+        "first s",
+        "later s",
+        "compiling s",
+        "us per cycle",
+        "cycles until it has paid",
+    )
+    return ResultTable(
+        "compiling", "Compiling: the first time and later", columns, tuple(lines), ("what",)
+    )
 
 
 def _mean_cost(rows: Sequence[Row], methods: Sequence[str], wanted: float = 1e-6) -> float | None:
@@ -401,15 +458,30 @@ def _memory(rows: Sequence[Row]) -> ResultTable:
         (row["problem"], row["method"], number(row["writer_MB"]), number(row["worker_MB"]))
         for row in _of(rows, "memory")
     )
-    return ResultTable("memory", "Peak memory", ("what", "record", "writer MB", "worker MB"), lines, ("what", "record"))
+    return ResultTable(
+        "memory",
+        "Peak memory",
+        ("what", "record", "writer MB", "worker MB"),
+        lines,
+        ("what", "record"),
+    )
 
 
 def _failures(rows: Sequence[Row]) -> ResultTable:
     lines = tuple(
-        (row["problem"], row.get("method", "-"), f"{row['setting']:g}" if "setting" in row else "-", row["failure"])
+        (
+            row["problem"],
+            row.get("method", "-"),
+            f"{row['setting']:g}" if "setting" in row else "-",
+            row["failure"],
+        )
         for row in rows
         if row.get("failure")
     )
     return ResultTable(
-        "failures", "Failed", ("problem", "method", "setting", "why"), lines, ("problem", "method", "why")
+        "failures",
+        "Failed",
+        ("problem", "method", "setting", "why"),
+        lines,
+        ("problem", "method", "why"),
     )

@@ -38,9 +38,14 @@ def assemble(campaign: Campaign, run: Run) -> Iterator[Part]:
     # The input of the instruments: the stand's signals or, in a loop-back, one voltage at all
     # inputs.
     if condition.scene.bed == LOOP_BACK:
-        source, tools = LoopBackSource(source, tools, condition.drive.frequency, size.rate), inputs_alone(tools)
+        source, tools = (
+            LoopBackSource(source, tools, condition.drive.frequency, size.rate),
+            inputs_alone(tools),
+        )
     if isinstance(stand, PrescribedRun):
-        source = with_signal_error(source, protocol.mistake, condition, campaign.rig, stand.motion)
+        source = with_signal_error(
+            source, protocol.deliberate_error, condition, campaign.rig, stand.motion
+        )
 
     # Transducers and conditioning convert it to volts, the front end to codes.
     noise = [random_stream(campaign, run, channel.name) for channel in tools.channels]
@@ -76,9 +81,11 @@ def assemble(campaign: Campaign, run: Run) -> Iterator[Part]:
 
 def _stand(campaign: Campaign, run: Run) -> "PrescribedRun | ShakerRun":
     """Return the stand of a run, by its drive."""
-    if run.condition.drive.mode != "coupled":
+    if run.condition.drive.mode != "shaker":
         return PrescribedRun(campaign, run)
-    from rig.campaign.one_run.shaker_run import ShakerRun  # its kernels are loaded where a drive asks for them
+    from rig.campaign.one_run.shaker_run import (
+        ShakerRun,
+    )  # its kernels are loaded where a drive asks for them
 
     return ShakerRun(campaign, run)
 
@@ -91,4 +98,6 @@ def _listener(campaign: Campaign, run: Run) -> "Listener | None":
 
     size, tools = campaign.lengths[run.condition.id], campaign.instruments
     row = [channel.name for channel in tools.channels].index(LEVEL_OF)
-    return Listener(run.condition, campaign.rig, size, row, tools.table(size.rate, FILTER_DELAY)[row])
+    return Listener(
+        run.condition, campaign.rig, size, row, tools.table(size.rate, FILTER_DELAY)[row]
+    )

@@ -1,4 +1,6 @@
-"""A run in shaker-coupled drive: a dwell on the exciter, from start-up to the end of the record."""
+"""A run in shaker-shaker-coupled drive: a dwell on the exciter, from start-up to the end of the
+record.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -71,7 +73,12 @@ class Used:
         on peaks.
         """
         force = self.exciter.force_constant * self.current / self.exciter.force_peak
-        return {"force": force, "current": latest.current, "voltage": latest.voltage, "stroke": latest.stroke}
+        return {
+            "force": force,
+            "current": latest.current,
+            "voltage": latest.voltage,
+            "stroke": latest.stroke,
+        }
 
     def demand(self) -> Demand:
         """Return the largest utilisation, in the form that prescribed motion states."""
@@ -88,7 +95,7 @@ def max_of(found: list[Limits]) -> Limits:
 
 
 class Dwelling:
-    """A condition on the stand in shaker-coupled drive.
+    """A condition on the stand in shaker-shaker-coupled drive.
 
     rig : with the actual exciter
     rate : actual intervals per second
@@ -97,17 +104,33 @@ class Dwelling:
     """
 
     def __init__(
-        self, condition: Condition, rig: Rig, filling: Filling, rate: float, clock: float = 1.0, reading: float = 1.0
+        self,
+        condition: Condition,
+        rig: Rig,
+        filling: Filling,
+        rate: float,
+        clock: float = 1.0,
+        reading: float = 1.0,
     ) -> None:
         asked = condition.drive
         # The generator shares the analyzer's clock: all frequencies carry its error.
-        drive = replace(asked, frequency=asked.frequency * clock, sweep_to=asked.sweep_to and asked.sweep_to * clock)
-        self.stand = CoupledStand(condition.scene, rig, drive, filling, rate, self._command, SIGNALS)
+        drive = replace(
+            asked,
+            frequency=asked.frequency * clock,
+            sweep_to=asked.sweep_to and asked.sweep_to * clock,
+        )
+        self.stand = CoupledStand(
+            condition.scene, rig, drive, filling, rate, self._command, SIGNALS
+        )
         steady = condition.acquire.settle + condition.acquire.record + MARGIN
         plan = _plan(drive, rig.exciter, self.stand, steady, reading)
         if drive.sweep_to is not None:
-            plan = replace(plan, sweep=(condition.acquire.settle, condition.acquire.record, drive.sweep_to))
-        self.dwell = Dwell(plan, rate, SIGNALS.index("acceleration"), SIGNALS.index("current"), self._shares)
+            plan = replace(
+                plan, sweep=(condition.acquire.settle, condition.acquire.record, drive.sweep_to)
+            )
+        self.dwell = Dwell(
+            plan, rate, SIGNALS.index("acceleration"), SIGNALS.index("current"), self._shares
+        )
         self._used = Used(rig.exciter)
         self._seen = 0
 
@@ -165,6 +188,10 @@ def _plan(drive: Drive, exciter: Exciter, stand: CoupledStand, steady: int, read
     # Response with the whole bed rigidly attached: the heaviest case, for the first command.
     bonded = complex(response(whole, drive.amplifier, drive.frequency).acceleration[0])
     target = Target(drive.acceleration, timeout=drive.timeout)
-    above = (Target(OVERSHOOT * drive.acceleration, timeout=drive.timeout),) if drive.approach == "above" else ()
+    above = (
+        (Target(OVERSHOOT * drive.acceleration, timeout=drive.timeout),)
+        if drive.approach == "above"
+        else ()
+    )
     guess = FIRST_GUESS * drive.acceleration / abs(bonded)
     return Plan(drive.frequency, complex(guess), (*above, target), steady, box, reading)

@@ -11,14 +11,14 @@ from daq.faults.in_sources import AcCoupled, Drifting, Late, Offset
 from rig.catalog.entries import Rig
 from rig.drive.coil_force import Armature, CoilForce
 from rig.drive.waveform import Waveform
-from rig.protocol.deliberate_errors import AC_CORNER, BadPractice
+from rig.protocol.deliberate_errors import AC_CORNER, DeliberateError
 from rig.protocol.spec import LOOP_BACK, Condition
 from rig.stand.channels import CHANNELS, Instruments
 
 ACCELERATION = CHANNELS.index("acceleration")
 
 
-def with_instrument_error(tools: Instruments, error: BadPractice) -> Instruments:
+def with_instrument_error(tools: Instruments, error: DeliberateError) -> Instruments:
     """Return the instruments with the accelerometer's actual time constant changed by the factor
     `pole`.
     """
@@ -31,7 +31,7 @@ def with_instrument_error(tools: Instruments, error: BadPractice) -> Instruments
 
 
 def with_signal_error(
-    source: PhysicalSource, error: BadPractice, condition: Condition, rig: Rig, motion: Waveform
+    source: PhysicalSource, error: DeliberateError, condition: Condition, rig: Rig, motion: Waveform
 ) -> PhysicalSource:
     """Return the input of a run's transducers with the deliberate error; the source itself if the
     error lies elsewhere or there is none.
@@ -51,7 +51,7 @@ def with_signal_error(
     return source
 
 
-def error_facts(error: BadPractice, rig: Rig, rate: float) -> dict[str, Any] | None:
+def error_facts(error: DeliberateError, rig: Rig, rate: float) -> dict[str, Any] | None:
     """Return the facts of the error for the report: its kind, its value, and the quantities in its
     rule (SI).
     """

@@ -14,7 +14,12 @@ from rig.stand.channels import Instruments
 
 
 def with_faults(
-    acquisition: Acquisition, protocol: Protocol, run: Run, tools: Instruments, size: Lengths, lead: int
+    acquisition: Acquisition,
+    protocol: Protocol,
+    run: Run,
+    tools: Instruments,
+    size: Lengths,
+    lead: int,
 ) -> Acquisition:
     """Return the acquisition with the protocol's faults for this run; the acquisition itself if
     there are none.
@@ -38,7 +43,9 @@ def with_faults(
     noise = [stream(protocol.seed, *words, a.kind, a.channel, repr(a.start)) for a, _ in found]
     spec, channels = tools.analyzer, tools.channels
     late = [replace(fault, start=fault.start + lead, stop=fault.stop + lead) for _, fault in found]
-    floor = [spec.noise_in_band(c.range_V, size.rate) / spec.volts_per_code(c.range_V) for c in channels]
+    floor = [
+        spec.noise_in_band(c.range_V, size.rate) / spec.volts_per_code(c.range_V) for c in channels
+    ]
     iepe = [channel.coupling == "IEPE" for channel in channels]
     return Faulted(acquisition, late, noise, floor, iepe)
 

@@ -65,9 +65,15 @@ class Watcher:
                 condition=run.condition,
                 samples=end,
                 planned=run.planned,
-                levels={c.name: float(p) * c.scale / c.range_V for c, p in zip(self._channels, peaks, strict=True)},
+                levels={
+                    c.name: float(p) * c.scale / c.range_V
+                    for c, p in zip(self._channels, peaks, strict=True)
+                },
                 ranges={c.name: c.range_V for c in self._channels},
-                flags={c.name: flag_names(int(bits)) for c, bits in zip(self._channels, block.flags, strict=True)},
+                flags={
+                    c.name: flag_names(int(bits))
+                    for c, bits in zip(self._channels, block.flags, strict=True)
+                },
                 W=W,
                 cycles=0 if online is None else online.done,
                 of=0 if online is None else online.cycles,

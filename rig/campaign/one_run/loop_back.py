@@ -22,8 +22,13 @@ def inputs_alone(tools: Instruments) -> Instruments:
     """
     return replace(
         tools,
-        channels=tuple(replace(c, transducer=ideal_transducer(c.transducer.quantity)) for c in tools.channels),
-        states=tuple(replace(state, sensitivity=1.0, time_constant=None, bend=(0.0, 0.0)) for state in tools.states),
+        channels=tuple(
+            replace(c, transducer=ideal_transducer(c.transducer.quantity)) for c in tools.channels
+        ),
+        states=tuple(
+            replace(state, sensitivity=1.0, time_constant=None, bend=(0.0, 0.0))
+            for state in tools.states
+        ),
     )
 
 
@@ -34,10 +39,14 @@ class LoopBackSource:
     The rig continues in the background: its account is kept, its signals are dropped.
     """
 
-    def __init__(self, source: PhysicalSource, tools: Instruments, frequency: float, rate: float) -> None:
+    def __init__(
+        self, source: PhysicalSource, tools: Instruments, frequency: float, rate: float
+    ) -> None:
         self._source, self._next = source, 0
         self._amplitude = SHARE * min(channel.range_V for channel in tools.channels)
-        self._turn = 2 * math.pi * frequency / (OVERSAMPLING * rate)  # generator and converter share their clock
+        self._turn = (
+            2 * math.pi * frequency / (OVERSAMPLING * rate)
+        )  # generator and converter share their clock
 
     @property
     def names(self) -> tuple[str, ...]:

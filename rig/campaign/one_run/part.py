@@ -37,7 +37,11 @@ class Part:
 
     def late(self) -> "Part":
         """Return the part as recorded if it came too late: flagged, and the run not complete."""
-        return replace(self, block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)), scalars=None)
+        return replace(
+            self,
+            block=replace(self.block, flags=self.block.flags | np.uint16(Flag.OVERRUN)),
+            scalars=None,
+        )
 
 
 def paced(parts: Iterable[Part], rate: float, speed: float | None) -> Iterator[Part]:

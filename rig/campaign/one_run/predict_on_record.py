@@ -19,7 +19,7 @@ from rig.protocol.spec import Condition
 SETTLE = 10
 """Cycles of the rows before their energies count."""
 
-RAMP = {"servo": 0, "coupled": 10}
+RAMP = {"prescribed": 0, "shaker": 10}
 """Cycles before those, by drive, in which the motion grows.
 
 Rows with several orbits at one level settle on different ones if the motion starts at once, as in
@@ -38,7 +38,9 @@ class Listener:
     instruments.
     """
 
-    def __init__(self, condition: Condition, rig: Rig, size: Lengths, row: int, channel: ChannelInfo) -> None:
+    def __init__(
+        self, condition: Condition, rig: Rig, size: Lengths, row: int, channel: ChannelInfo
+    ) -> None:
         acquire = condition.acquire
         window = whole_cycles(
             size.samples, size.rate, condition.drive.frequency,
@@ -72,13 +74,26 @@ class Listener:
         for pole in channel.time_constants:
             acceleration = without_pole(acceleration, pole, step)
         bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
-        band, points = np.repeat(bed.threshold, bed.play.shape[1]), window.grid.points
+        band, points = np.repeat(bed.threshold, bed.clearance.shape[1]), window.grid.points
         own = RAMP[self._condition.drive.mode]
-        found = bed.row_mass / window.cycles * np.array([
-            sampled_energy(band, bed.play.ravel(), bed.restitution, acceleration - acceleration.mean(), step,
-                           SETTLE * points, ramp * points)
-            for ramp in sorted(RAMP.values(), key=lambda ramp: ramp != own)
-        ])  # fmt: skip
+        found = (
+            bed.row_mass
+            / window.cycles
+            * np.array(
+                [
+                    sampled_energy(
+                        band,
+                        bed.clearance.ravel(),
+                        bed.restitution,
+                        acceleration - acceleration.mean(),
+                        step,
+                        SETTLE * points,
+                        ramp * points,
+                    )
+                    for ramp in sorted(RAMP.values(), key=lambda ramp: ramp != own)
+                ]
+            )
+        )
         total = found.sum(axis=1)
         numbers = (total[0], found[0, 0], abs(total[1] - total[0]) / np.sqrt(12.0))
         return dict(zip(RECORDED_SCALARS, map(float, numbers), strict=True))

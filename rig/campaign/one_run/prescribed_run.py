@@ -43,7 +43,9 @@ class PrescribedRun:
         columns.
         """
         campaign, rows = self._campaign, self._stand.drain_ledger()
-        missing = np.zeros((len(rows), len(COUPLED_COLUMNS) - len(COLUMNS) if campaign.coupled else 0))
+        missing = np.zeros(
+            (len(rows), len(COUPLED_COLUMNS) - len(COLUMNS) if campaign.coupled else 0)
+        )
         exact = [np.full(len(rows), self._exact())] if campaign.ablate else []
         return np.column_stack([rows, missing, *exact]) if campaign.coupled or exact else rows
 
@@ -62,10 +64,14 @@ class PrescribedRun:
         use = use_of(campaign.rig, stand)
         if run.condition.id not in campaign.choices or not beyond(use):
             return use
-        from rig.fidelity.scene_rows import side_by_side  # only some protocols choose their fidelity
+        from rig.fidelity.scene_rows import (
+            side_by_side,
+        )  # only some protocols choose their fidelity
 
         scene = side_by_side(run.condition.scene)
-        full = Stand(scene, campaign.rig, stand.motion, filling_of(campaign, run, scene), stand.rate)
+        full = Stand(
+            scene, campaign.rig, stand.motion, filling_of(campaign, run, scene), stand.rate
+        )
         return with_peaks_of(use, use_of(campaign.rig, steady(full)))
 
     def _exact(self) -> float:
@@ -74,10 +80,14 @@ class PrescribedRun:
         """
         condition = self._run.condition
         filling = filling_of(self._campaign, self._run)
-        return exact_energy(condition.scene, self._campaign.rig, self.motion, filling, condition.acquire)
+        return exact_energy(
+            condition.scene, self._campaign.rig, self.motion, filling, condition.acquire
+        )
 
 
 def stand_of(campaign: Campaign, run: Run) -> Stand:
     """Return the stand at the start of a run with prescribed motion."""
     motion, filling = motion_of(campaign, run), filling_of(campaign, run)
-    return Stand(run.condition.scene, campaign.rig, motion, filling, oversampled_rate(campaign, run))
+    return Stand(
+        run.condition.scene, campaign.rig, motion, filling, oversampled_rate(campaign, run)
+    )

@@ -32,7 +32,13 @@ class Beginning:
             row = acquisition.channels.index(asked.channel)
             patience = math.ceil(asked.patience * self._period)
             self._trigger = Triggered(
-                acquisition, row, asked.level * FULL, asked.slope, asked.kind, asked.before, patience
+                acquisition,
+                row,
+                asked.level * FULL,
+                asked.slope,
+                asked.kind,
+                asked.before,
+                patience,
             )
             self._acquisition, self._lead, self._skip = self._trigger, 0, None
 
@@ -42,7 +48,9 @@ class Beginning:
             block = self._acquisition.read(samples)
         except NoTrigger as error:
             found = f"a level that is not passed: {error}"
-            raise InputError(Mistake("", "acquire.trigger", found, "a level that the channel reaches")) from error
+            raise InputError(
+                Mistake("", "acquire.trigger", found, "a level that the channel reaches")
+            ) from error
         return replace(block, start=block.start - self._lead) if self._lead else block
 
     def of_record(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -74,7 +74,10 @@ class Analysis:
 
 
 def record_parts(
-    recorder: "Recorder", parts: Iterable[Part], watch: Watch, live: "Callable[[LiveUpdate], None] | None" = None
+    recorder: "Recorder",
+    parts: Iterable[Part],
+    watch: Watch,
+    live: "Callable[[LiveUpdate], None] | None" = None,
 ) -> "dict[str, RunEnergy]":
     """Write parts, each run's in order, and return the energies by run name, as read back from the
     record.

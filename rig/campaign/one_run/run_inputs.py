@@ -26,7 +26,9 @@ def motion_of(campaign: Campaign, run: Run) -> Waveform:
     """
     drive, rig = run.condition.drive, campaign.rig
     rng = None if drive.imperfection == "none" else random_stream(campaign, run, "drive")
-    return waveform(drive, rig.level_error, rig.third_harmonic, rng, 1.0 + campaign.instruments.clock_error)
+    return waveform(
+        drive, rig.level_error, rig.third_harmonic, rng, 1.0 + campaign.instruments.clock_error
+    )
 
 
 def filling_of(campaign: Campaign, run: Run, scene: Scene | None = None) -> Filling:
@@ -43,4 +45,8 @@ def oversampled_rate(campaign: Campaign, run: Run) -> float:
     """Return the rate (Hz) at which a run is simulated: oversampled, on the analyzer's actual
     clock.
     """
-    return OVERSAMPLING * campaign.lengths[run.condition.id].rate * (1.0 + campaign.instruments.clock_error)
+    return (
+        OVERSAMPLING
+        * campaign.lengths[run.condition.id].rate
+        * (1.0 + campaign.instruments.clock_error)
+    )

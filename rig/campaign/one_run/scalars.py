@@ -5,10 +5,15 @@ STOPS = ("force", "current", "voltage", "stroke", "jump", "time")
 holds, timeout.
 """
 
-LEVEL_SCALARS = ("level_cycles", "level_jumps", "clipped", *(f"stopped_by_{name}" for name in STOPS))
-"""Shaker-coupled drive: cycles of the level control; jumps of the level on the way; fraction of the
-held cycles in which the amplifier was at a limit; and for each reason 1 if it stopped the level, 0
-otherwise.
+LEVEL_SCALARS = (
+    "level_cycles",
+    "level_jumps",
+    "clipped",
+    *(f"stopped_by_{name}" for name in STOPS),
+)
+"""Shaker-shaker-coupled drive: cycles of the level control; jumps of the level on the way; fraction
+of the held cycles in which the amplifier was at a limit; and for each reason 1 if it stopped the
+level, 0 otherwise.
 """
 
 RECORDED_SCALARS = ("W_T_recorded", "W_f_recorded", "u_W_T_recorded")

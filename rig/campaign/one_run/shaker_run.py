@@ -19,14 +19,18 @@ class ShakerRun:
 
     def __init__(self, campaign: Campaign, run: Run) -> None:
         tools = campaign.instruments
-        channel, state = next((c, s) for c, s in zip(tools.channels, tools.states, strict=True) if c.name == LEVEL_OF)
+        channel, state = next(
+            (c, s) for c, s in zip(tools.channels, tools.states, strict=True) if c.name == LEVEL_OF
+        )
         # The controller reads the same accelerometer with its certified sensitivity: its actual
         # errors enter.
         reading = state.sensitivity * state.gain / channel.transducer.sensitivity
         rate, clock = oversampled_rate(campaign, run), 1.0 + tools.clock_error
         rig = replace(campaign.rig, exciter=tools.exciter)
         self._ablate = campaign.ablate
-        self._dwelling = Dwelling(run.condition, rig, filling_of(campaign, run), rate, clock, reading)
+        self._dwelling = Dwelling(
+            run.condition, rig, filling_of(campaign, run), rate, clock, reading
+        )
         self.source = Picked(self._dwelling.stand, len(tools.channels))
 
     def lead(self, acquisition: Acquisition, period: float) -> int:

@@ -79,7 +79,10 @@ class Decision:
 
 
 def decisions(
-    claims: Sequence[ExpectedClaim], expected: Sequence[Expected], channels: Sequence[ChannelInfo], repeats: int
+    claims: Sequence[ExpectedClaim],
+    expected: Sequence[Expected],
+    channels: Sequence[ChannelInfo],
+    repeats: int,
 ) -> list[Decision]:
     """Return the forecast of each claim (entries of `rig.campaign.claim_cases.cases`)."""
     if not claims:
@@ -89,17 +92,21 @@ def decisions(
     @cache
     def entries_of(n: int) -> list[tuple[ClaimRow, ...]]:
         """The report's entries of all claims, of each drawn session of n repeats."""
-        streams = (np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n)))
+        streams = (
+            np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n))
+        )
         return [judge(claims, _results(expected, by_name, n, rng)) for rng in streams]
 
-    return [_decision(place, claim.claim, entries_of, repeats) for place, claim in enumerate(claims)]
+    return [
+        _decision(place, claim.claim, entries_of, repeats) for place, claim in enumerate(claims)
+    ]
 
 
 def _decision(
     place: int, claim: str, entries_of: Callable[[int], list[tuple[ClaimRow, ...]]], repeats: int
 ) -> Decision:
-    """Return the forecast of the claim at a place; `entries_of` returns the entries of all claims by
-    session.
+    """Return the forecast of the claim at a place; `entries_of` returns the entries of all claims
+    by session.
     """
 
     def leading(n: int) -> tuple[str, float, float]:
@@ -114,12 +121,19 @@ def _decision(
         needed = TRIED[bisect_left(TRIED, True, key=lambda n: leading(n)[2] >= SHARE)]
     verdict, share, _ = leading(repeats)
     shown = repeats if needed is not None and needed <= repeats else needed or MOST
-    row = next(session[place] for session in entries_of(shown) if session[place].verdict == leading(shown)[0])
+    row = next(
+        session[place]
+        for session in entries_of(shown)
+        if session[place].verdict == leading(shown)[0]
+    )
     return Decision(claim, verdict if share >= SHARE else UNDECIDED, needed, row.found, row.why)
 
 
 def _results(
-    expected: Sequence[Expected], channels: Mapping[str, ChannelInfo], n: int, rng: np.random.Generator
+    expected: Sequence[Expected],
+    channels: Mapping[str, ChannelInfo],
+    n: int,
+    rng: np.random.Generator,
 ) -> dict[str, Result]:
     """Return the results of one simulated session of n repeats, by condition."""
     found = {}
@@ -130,12 +144,18 @@ def _results(
         runs = []
         for place, w in enumerate(W, 1):
             turned = np.asarray(
-                one.mass * phasor + 1j * w * (2.0 * np.pi * setting.frequency) ** 2 / (np.pi * one.level), complex
+                one.mass * phasor
+                + 1j * w * (2.0 * np.pi * setting.frequency) ** 2 / (np.pi * one.level),
+                complex,
             )
             cycles = max(int(setting.record_cycles), 1)
-            energy = Energy(setting.frequency, cycles, w, np.full(cycles, w), w, 0.0, w, turned, phasor)
+            energy = Energy(
+                setting.frequency, cycles, w, np.full(cycles, w), w, 0.0, w, turned, phasor
+            )
             noise = noise_of(energy, channels["force"], channels["acceleration"], one.samples)
-            runs.append(RunEnergy(f"{setting.id}_{place}", setting.id, place, place, energy, u_noise=noise))
+            runs.append(
+                RunEnergy(f"{setting.id}_{place}", setting.id, place, place, energy, u_noise=noise)
+            )
         found[setting.id] = evaluate(setting, runs, one.entry, channels)
     return found
 

@@ -25,7 +25,7 @@ from rig.stand.prescribed import CHUNK_CYCLES, Stand
 Array = NDArray[np.float64]
 
 HELD = 16
-"""Cycles simulated in shaker-coupled drive once the level is held: the last half counts."""
+"""Cycles simulated in shaker-shaker-coupled drive once the level is held: the last half counts."""
 
 
 @dataclass(frozen=True)
@@ -99,14 +99,18 @@ def dry_run_coupled(campaign: Campaign, condition: Condition, rate: float) -> Dr
     cycles = 0
     while dwelling.dwell.steady_from is None or cycles < dwelling.dwell.steady_from:
         cycles += 1
-        dwelling.stand.read(round(cycles * rate / frequency) - round((cycles - 1) * rate / frequency))
+        dwelling.stand.read(
+            round(cycles * rate / frequency) - round((cycles - 1) * rate / frequency)
+        )
         dwelling.ledger()
     acquire, swept = condition.acquire, condition.drive.sweep_to is not None
     signals = dwelling.stand.read(round(HELD * rate / frequency))
     rows = dwelling.ledger()[:HELD]
     last = signals[:2, -round(HELD // 2 * rate / frequency) :]
     if swept:
-        wanted = round((acquire.settle / frequency + condition.drive.swept_time(acquire.record)) * rate)
+        wanted = round(
+            (acquire.settle / frequency + condition.drive.swept_time(acquire.record)) * rate
+        )
         last = dwelling.stand.read(max(wanted - signals.shape[1], 1))[:2]
         cycles += acquire.settle + acquire.record - HELD
         dwelling.ledger()

@@ -12,7 +12,13 @@ from scipy.special import stdtrit
 
 from analysis.session.prediction_entry import PredictionEntry
 from analysis.session.protocol import ExpectedClaim
-from analysis.uncertainty.budget import angle_uncertainty, certificate_lines, combine, noise_at, resolution_lines
+from analysis.uncertainty.budget import (
+    angle_uncertainty,
+    certificate_lines,
+    combine,
+    noise_at,
+    resolution_lines,
+)
 from daq.chain.channel import ChannelInfo
 from daq.chain.fir import OVERSAMPLING
 from daq.chain.frontend import FILTER_DELAY
@@ -49,7 +55,7 @@ class Outlook:
     side_by_side : the same with as many rows as lie side by side, if peaks of the simulated rows
         exceed a limit; else None
     range_force, range_acceleration : peak as a fraction of the channel's range
-    stopped : reason why the level is not reached in shaker-coupled drive, "" for none
+    stopped : reason why the level is not reached in shaker-shaker-coupled drive, "" for none
     W_detect : detection limit of W
     smallest_difference : resolvable difference between two conditions, 95 %
     repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None if no number up
@@ -129,8 +135,12 @@ def preflight(campaign: Campaign, workers: int) -> Iterator[Outlook]:
 def decided(campaign: Campaign, outlooks: Sequence[Outlook]) -> list[Decision]:
     """Return the forecast of each claim of the protocol."""
     expected = [one.expected for one in outlooks if one.expected is not None]
-    channels = campaign.instruments.table(campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY)
-    claims = [built(ExpectedClaim, claim) for claim in cases(campaign.protocol, campaign.conditions)]
+    channels = campaign.instruments.table(
+        campaign.lengths[campaign.conditions[0].id].rate, FILTER_DELAY
+    )
+    claims = [
+        built(ExpectedClaim, claim) for claim in cases(campaign.protocol, campaign.conditions)
+    ]
     return decisions(claims, expected, channels, campaign.protocol.repeats.n)
 
 
@@ -146,20 +156,32 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     """
     rig, scene, drive = campaign.rig, condition.scene, condition.drive
     rate = campaign.lengths[condition.id].rate
-    dry = (dry_run_coupled if drive.mode == "coupled" else dry_run_prescribed)(campaign, condition, OVERSAMPLING * rate)
+    dry = (dry_run_coupled if drive.mode == "shaker" else dry_run_prescribed)(
+        campaign, condition, OVERSAMPLING * rate
+    )
     channels = campaign.instruments.table(rate, FILTER_DELAY)
     reactive = np.pi * dry.mass * (dry.level / (2.0 * np.pi * drive.frequency)) ** 2
-    ahead = forecast(condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id))
+    ahead = forecast(
+        condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id)
+    )
     point, refills = ahead.point, ahead.refills
     scatter = float(np.std(refills)) * point.W_T if refills else 0.0
     U, difference, needed = _plan(campaign, condition, channels, dry, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
     entry: PredictionEntry | None = None
     if has_level(condition):
-        document = prediction_document({condition.id: (point, ahead.table)}, {condition.id: refills})
+        document = prediction_document(
+            {condition.id: (point, ahead.table)}, {condition.id: refills}
+        )
         entry = built(PredictionEntry, document["conditions"][condition.id])
     expected = Expected(
-        condition_facts(condition, rig, point, rate), dry.lost, dry.mass, dry.level, entry, samples, refills
+        condition_facts(condition, rig, point, rate),
+        dry.lost,
+        dry.mass,
+        dry.level,
+        entry,
+        samples,
+        refills,
     )
     return Outlook(
         id=condition.id,
@@ -205,7 +227,12 @@ def _plan(
     force, acceleration = channels[:2]
     # Amplitudes of force and acceleration: the force has a part in phase (mass) and one in
     # quadrature (W).
-    tops = float(np.hypot(dry.mass * dry.level, W * 4.0 * np.pi * frequency**2 / max(dry.level, 1e-12))), dry.level
+    tops = (
+        float(
+            np.hypot(dry.mass * dry.level, W * 4.0 * np.pi * frequency**2 / max(dry.level, 1e-12))
+        ),
+        dry.level,
+    )
     lines = (
         *certificate_lines(force, acceleration, frequency, W, reactive, amplitudes=tops),
         *resolution_lines(W, reactive),
@@ -219,7 +246,9 @@ def _plan(
         nu = repeats - 1.0 if repeats > 1 else np.inf
         return combine(W, [*certified, (float(np.hypot(s, noise)) / np.sqrt(repeats), nu)]).U
 
-    tried = range(2 if s > 0.0 else 1, MOST_REPEATS + 1 if expected(MOST_REPEATS) <= OFFSET * W else 0)
+    tried = range(
+        2 if s > 0.0 else 1, MOST_REPEATS + 1 if expected(MOST_REPEATS) <= OFFSET * W else 0
+    )
     needed = next((m for m in tried if expected(m) <= OFFSET * W), None)
     if n == 1 and s > 0.0:
         return None, None, needed

@@ -35,7 +35,9 @@ def bench(quick: bool, out: Path | None, as_json: bool, todo: Sequence[Job] | No
                     if as_json:
                         print(as_line(row), flush=True)
         except KeyboardInterrupt:
-            kept = "nothing was written" if out is None else f"{len(found)} rows are in {out / JSONL}"
+            kept = (
+                "nothing was written" if out is None else f"{len(found)} rows are in {out / JSONL}"
+            )
             say(f"rig: interrupted; {kept}", to_stderr=True)
             return INTERRUPTED
     if not as_json:
@@ -62,7 +64,9 @@ def _lines(out: Path | None) -> Iterator[TextIO | None]:
         out.mkdir(parents=True, exist_ok=True)
         file = io.TextIOWrapper(fresh_file(out / JSONL), encoding="utf-8", write_through=True)
     except OSError as error:
-        raise InputError(Mistake("--out", "", f"{out}, which cannot be written ({error})", "a folder")) from None
+        raise InputError(
+            Mistake("--out", "", f"{out}, which cannot be written ({error})", "a folder")
+        ) from None
     with file:
         yield file
 

@@ -15,11 +15,17 @@ from rig.errors import InputError, Mistake
 def calibrate_rig(campaign: Campaign, target: float, out: Path, force: bool, as_json: bool) -> None:
     """Write a rig file with the losses that cause the target offset of the weighted ratio."""
     if out.exists() and not force:
-        raise InputError(Mistake(str(out), "", "a file that exists", "a new path, or --force to replace it"))
+        raise InputError(
+            Mistake(str(out), "", "a file that exists", "a new path, or --force to replace it")
+        )
     with progress("runs", as_json) as watch:
         rig = calibrated(campaign, target, cores(), watch)
     write_new(out, dump_rig(rig), force)
-    facts = {"loss_noise": rig.loss_noise, "loss_air": rig.loss_air, "provenance": dict(rig.provenance)}
+    facts = {
+        "loss_noise": rig.loss_noise,
+        "loss_air": rig.loss_air,
+        "provenance": dict(rig.provenance),
+    }
     if as_json:
         print_json(facts)
         return

@@ -31,7 +31,11 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
     }
     claims = decided(campaign, outlooks)
     unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
-    unmet += [f"{c}: the tolerance is not met: {found.why}" for c, found in campaign.choices.items() if not found.met]
+    unmet += [
+        f"{c}: the tolerance is not met: {found.why}"
+        for c, found in campaign.choices.items()
+        if not found.met
+    ]
     if as_json:
         rows = [{**asdict(replace(o, expected=None)), "flags": list(o.flags)} for o in outlooks]
         for row in rows:
@@ -40,7 +44,9 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             rows = [{**row, "fidelity": campaign.choices[row["id"]].document()} for row in rows]
         # The JSON output is the same on every machine: the computing time is left out.
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
-        print_json({"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet})
+        print_json(
+            {"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet}
+        )
     else:
         swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
         _print_outlook(outlooks, totals, swept)
@@ -60,7 +66,10 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
     for line in refused:
         say(f"rig: --strict: {line}", to_stderr=True)
     if unmet:
-        say(f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}", to_stderr=True)
+        say(
+            f"rig: the plan does not hold in {len(unmet)} place(s); the first: {unmet[0]}",
+            to_stderr=True,
+        )
     if refused:
         return 2
     return 1 if unmet else 0
@@ -70,11 +79,14 @@ def _print_decisions(found: Sequence[Decision], repeats: int) -> None:
     """Print the expected verdict of each claim, and the number of repeats that decides it."""
     lines = [
         (
-            str(place), one.claim, one.verdict,
-            str(one.repeats) if one.repeats is not None else f"not by {MOST}", f"{one.found}: {one.why}",
+            str(place),
+            one.claim,
+            one.verdict,
+            str(one.repeats) if one.repeats is not None else f"not by {MOST}",
+            f"{one.found}: {one.why}",
         )
         for place, one in enumerate(found, 1)
-    ]  # fmt: skip
+    ]
     if lines:
         title = f"Claims: what {repeats} repeats of the expected energies say, and how many decide"
         columns = ("no.", "claim", "expected", "repeats", "found then, and why")
@@ -93,9 +105,7 @@ def _print_choices(campaign: Campaign) -> None:
         met = "yes" if c.met else "no"
         lines.append((name, number(c.rows), str(c.settle), str(c.record), *percents, met))
     tolerance = next(iter(campaign.choices.values())).tolerance
-    title = (
-        f"Fidelity auto, tolerance {100 * tolerance:g} % of W per cycle: rows per layer, cycles, predicted error in %"
-    )
+    title = f"Fidelity auto, tolerance {100 * tolerance:g} % of W per cycle: rows per layer, cycles, predicted error in %"
     columns = ("id", "rows", "settle", "record", "error", "of rows", "of window", "of noise", "met")
     console.print(table(title, columns, lines, ("id",)))
     for name, choice in campaign.choices.items():
@@ -103,7 +113,9 @@ def _print_choices(campaign: Campaign) -> None:
             console.print(f"{name}: the tolerance is not met: {choice.why}")
 
 
-def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swept: Set[str]) -> None:
+def _print_outlook(
+    outlooks: Sequence[Outlook], totals: Mapping[str, float], swept: Set[str]
+) -> None:
     """Print the utilisation of the limits and the expected energies. swept: conditions without a
     level or an energy.
     """
@@ -114,9 +126,29 @@ def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swe
         use = o.exciter
         largest_range = max(o.range_force, o.range_acceleration)
         limits = (use.force, use.current, use.voltage, use.stroke, use.peak, largest_range)
-        settings = (o.id, o.material, o.bed, f"{100 * o.fill:g}", level, f"{o.samples_per_cycle:.0f}")
+        settings = (
+            o.id,
+            o.material,
+            o.bed,
+            f"{100 * o.fill:g}",
+            level,
+            f"{o.samples_per_cycle:.0f}",
+        )
         rows.append((*settings, *(f"{value:.2f}" for value in limits)))
-    columns = ("id", "grains", "bed", "fill", "a", "S/cyc", "force", "curr.", "volt.", "stroke", "peak", "range")
+    columns = (
+        "id",
+        "grains",
+        "bed",
+        "fill",
+        "a",
+        "S/cyc",
+        "force",
+        "curr.",
+        "volt.",
+        "stroke",
+        "peak",
+        "range",
+    )
     console.print(table("Utilisation of the limits of exciter and front end: 1 is the limit", columns, rows,
                         ("id", "grains", "bed")))  # fmt: skip
     lines = []
@@ -124,7 +156,9 @@ def _print_outlook(outlooks: Sequence[Outlook], totals: Mapping[str, float], swe
         if o.id in swept:
             continue  # a sweep has no single level, so no energy is predicted
         energy = (millijoules(o.W_T), millijoules(o.W_exp))
-        resolution = [millijoules(value, 2) for value in (o.U_W_exp, o.W_detect, o.smallest_difference)]
+        resolution = [
+            millijoules(value, 2) for value in (o.U_W_exp, o.W_detect, o.smallest_difference)
+        ]
         needed = "-" if o.repeats_needed is None else str(o.repeats_needed)
         lines.append((o.id, *energy, *resolution, needed))
     energies = ("id", "W_T", "W_exp", "U", "W_detect", "least difference", "repeats for 7 %")

@@ -29,7 +29,13 @@ SUFFIXES: Mapping[str, str] = {"uff58": ".uff", "csv": ".csv", "sep005-npz": ".n
 
 
 def export_session(
-    session: Path, to: str, run: str | None, out: Path | None, raw: bool, as_json: bool, force: bool = False
+    session: Path,
+    to: str,
+    run: str | None,
+    out: Path | None,
+    raw: bool,
+    as_json: bool,
+    force: bool = False,
 ) -> None:
     """Write one file per run into the folder `out`, by default the session's folder `export`; for
     one run `out` is the file.
@@ -67,9 +73,13 @@ def _check_target(file: Path, session: Path, force: bool) -> None:
     beside = sidecar_of(file)
     for target in (file, beside):
         if target.is_dir():
-            raise InputError(Mistake("--out", "", f"{target}, which is a folder", "the path of a file"))
+            raise InputError(
+                Mistake("--out", "", f"{target}, which is a folder", "the path of a file")
+            )
         if target.exists() and target.samefile(session):
-            raise InputError(Mistake("--out", "", f"{target}, which is the session itself", "another path"))
+            raise InputError(
+                Mistake("--out", "", f"{target}, which is the session itself", "another path")
+            )
     # A record of ours is known by the file beside it; anything else may be the user's own work.
     known = is_sidecar(beside)
     for target in (file, beside):
@@ -78,7 +88,9 @@ def _check_target(file: Path, session: Path, force: bool) -> None:
             raise InputError(Mistake("--out", "", found, "a new path, or --force to replace it"))
 
 
-def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool, as_json: bool) -> int:
+def import_session(
+    files: Sequence[Path], mapping: Path, out: Path, force: bool, as_json: bool
+) -> int:
     """Write a session and its report; return the exit code 0 where the verdict passes, 1 where it
     does not.
     """
@@ -89,7 +101,9 @@ def import_session(files: Sequence[Path], mapping: Path, out: Path, force: bool,
 
     path = out if out.suffix == ".h5" else out / "session.h5"
     if path.exists() and not force:
-        raise InputError(Mistake("--out", "", f"{path}, which exists", "a new path, or --force to replace it"))
+        raise InputError(
+            Mistake("--out", "", f"{path}, which exists", "a new path, or --force to replace it")
+        )
     import_records(files, read_mapping(mapping), path, force)
     with open_watched(path) as record:
         report = read_session(record)
@@ -107,11 +121,17 @@ def _chosen(record: Record, run: str | None) -> list[RunInfo]:
     if run is not None:
         name = f"run_{int(run):04d}" if run.isdecimal() else run
         if name not in names:
-            raise InputError(Mistake("--run", "", repr(run), f"{names[0]} to {names[-1]}", nearest(name, names)))
+            raise InputError(
+                Mistake("--run", "", repr(run), f"{names[0]} to {names[-1]}", nearest(name, names))
+            )
         return [record.run(name)]
     complete = [info for info in record.runs if info.complete]
     if not complete:
-        raise InputError(Mistake("SESSION", "", "no complete run", "at least one, or --run for what there is of one"))
+        raise InputError(
+            Mistake(
+                "SESSION", "", "no complete run", "at least one, or --run for what there is of one"
+            )
+        )
     return complete
 
 
@@ -151,9 +171,17 @@ def exported_waves(record: Record, info: RunInfo, raw: bool) -> tuple[Wave, ...]
             recorded.read, recorded.size, window, 1 / info.rate, channel.time_constants,
             _delay(channel, info.rate) - reference,
         )  # fmt: skip
-        waves.append(Wave(
-            channel.name, channel.quantity, channel.unit, signal, info.rate, info.t0, channel.direction
-        ))  # fmt: skip
+        waves.append(
+            Wave(
+                channel.name,
+                channel.quantity,
+                channel.unit,
+                signal,
+                info.rate,
+                info.t0,
+                channel.direction,
+            )
+        )
     return tuple(waves)
 
 
@@ -174,27 +202,47 @@ def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
     reference = _delay(record.channels[names[0]], info.rate)
     return {
         "schema": SCHEMA,
-        "run": info.name, "order": info.order, "repeat": info.repeat, "condition": condition,
-        "corrected": not raw, "rate": info.rate, "start": info.t0,
-        "window": {"start": first, "cycles": round((last - first) / period), "samples_per_cycle": period},
+        "run": info.name,
+        "order": info.order,
+        "repeat": info.repeat,
+        "condition": condition,
+        "corrected": not raw,
+        "rate": info.rate,
+        "start": info.t0,
+        "window": {
+            "start": first,
+            "cycles": round((last - first) / period),
+            "samples_per_cycle": period,
+        },
         "flags": [
-            {"start": int(block["start"]), "count": int(block["count"]),
-             "flags": dict(zip(names, map(int, block["flags"]), strict=True))}
+            {
+                "start": int(block["start"]),
+                "count": int(block["count"]),
+                "flags": dict(zip(names, map(int, block["flags"]), strict=True)),
+            }
             for block in flagged
         ],
         "channels": {
             channel.name: {
-                "unit": channel.unit, "model": channel.model, "serial": channel.serial,
-                "direction": channel.direction, "calibration_date": channel.calibration_date,
-                "sensitivity": channel.sensitivity, "calibration_U": channel.calibration_U,
-                "gain_tolerance": channel.gain_tolerance, "time_constants": list(channel.time_constants),
-                "time_constant_spread": channel.time_constant_spread, "corner_tolerance": channel.corner_tolerance,
-                "delay": _delay(channel, info.rate) - reference, "skew_tolerance": channel.skew_tolerance,
-                "noise_rms": channel.noise_rms, "full_scale": channel.full_scale,
+                "unit": channel.unit,
+                "model": channel.model,
+                "serial": channel.serial,
+                "direction": channel.direction,
+                "calibration_date": channel.calibration_date,
+                "sensitivity": channel.sensitivity,
+                "calibration_U": channel.calibration_U,
+                "gain_tolerance": channel.gain_tolerance,
+                "time_constants": list(channel.time_constants),
+                "time_constant_spread": channel.time_constant_spread,
+                "corner_tolerance": channel.corner_tolerance,
+                "delay": _delay(channel, info.rate) - reference,
+                "skew_tolerance": channel.skew_tolerance,
+                "noise_rms": channel.noise_rms,
+                "full_scale": channel.full_scale,
             }
             for channel in record.channels.values()
         },
-    }  # fmt: skip
+    }
 
 
 def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
@@ -208,5 +256,7 @@ def _spectra(record: Record, info: RunInfo) -> list[Spectrum]:
         energy = run_energy(record, info.name).energy
     except AnalysisError:
         return []
-    values = np.divide(energy.acceleration, energy.force, out=np.zeros_like(energy.force), where=energy.force != 0)
+    values = np.divide(
+        energy.acceleration, energy.force, out=np.zeros_like(energy.force), where=energy.force != 0
+    )
     return [Spectrum("acceleration", "force", "(m/s^2)/N", values, energy.frequency)]

@@ -11,9 +11,7 @@ from rig.prediction.model import predict
 from rig.protocol.grid import conditions
 from rig.protocol.load import LoadedProtocol
 
-TITLE = (
-    "Energies in mJ per cycle: closed tier, paper tier (`paper`), bound; longest period of a row in cycles, 0 for none"
-)
+TITLE = "Energies in mJ per cycle: closed tier, paper tier (`paper`), bound; longest period of a row in cycles, 0 for none"
 
 
 def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
@@ -28,16 +26,39 @@ def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
         return
     lines = [
         (
-            row["id"], row["material"], f"{1e3 * row['diameter']:g}", row["bed"], f"{100 * row['fill']:g}",
-            number(row["acceleration"]), *map(millijoules, (row["W_f"], row["W_c"], row["W_T"], row["W_T_paper"],
-                                                            row["bound"])), str(row["period"]),
+            row["id"],
+            row["material"],
+            f"{1e3 * row['diameter']:g}",
+            row["bed"],
+            f"{100 * row['fill']:g}",
+            number(row["acceleration"]),
+            *map(
+                millijoules,
+                (row["W_f"], row["W_c"], row["W_T"], row["W_T_as_printed"], row["bound"]),
+            ),
+            str(row["period"]),
         )
         for row in rows
-    ]  # fmt: skip
-    columns = ("id", "grains", "d", "bed", "fill", "a", "W_f", "W_c", "W_T", "paper", "bound", "per.")
+    ]
+    columns = (
+        "id",
+        "grains",
+        "d",
+        "bed",
+        "fill",
+        "a",
+        "W_f",
+        "W_c",
+        "W_T",
+        "paper",
+        "bound",
+        "per.",
+    )
     console = terminal()
     console.print(table(TITLE, columns, lines, ("id", "grains", "bed")))
     for row in rows:
-        for name, label in (("W_T", "closed tier"), ("W_T_paper", "paper tier")):
+        for name, label in (("W_T", "closed tier"), ("W_T_as_printed", "paper tier")):
             if row["bed"] == "layers" and row[name] > row["bound"]:
-                console.print(f"{row['id']}: the {label} lies above the bound: impossible at this level")
+                console.print(
+                    f"{row['id']}: the {label} lies above the bound: impossible at this level"
+                )

@@ -15,17 +15,23 @@ from rig.cli.terminal.watch import PATIENCE, open_watched
 from rig.errors import InputError, Mistake
 
 
-def replay_session(session: Path, out: Path | None, speed: float | None, force: bool, as_json: bool) -> int:
+def replay_session(
+    session: Path, out: Path | None, speed: float | None, force: bool, as_json: bool
+) -> int:
     """Replay a session; return the exit code 0 where the verdict passes, 1 where it does not."""
     path = session_file(session)
     if out is not None:
         if (out / "session.h5").exists() and path.exists() and (out / "session.h5").samefile(path):
-            raise InputError(Mistake("--out", "", f"{out}, where the session itself lies", "another folder"))
+            raise InputError(
+                Mistake("--out", "", f"{out}, where the session itself lies", "another folder")
+            )
         check_folder(out, resume=False, force=force)
     with open_watched(path) as record:
         lines = lines_of_record(record)
     with live_view(lines, terminal(stderr=True, quiet=as_json)) as view:
-        report = replay(path, out, speed, force, view.step, PATIENCE, view.look if view.looks else None)
+        report = replay(
+            path, out, speed, force, view.step, PATIENCE, view.look if view.looks else None
+        )
     if timing(view):
         terminal(stderr=True, quiet=as_json).print(timing(view))
     if as_json:
@@ -43,5 +49,7 @@ def lines_of_record(record: Record) -> dict[str, ConditionLine]:
     lines = {}
     for key, condition in record.conditions.items():
         setting = Setting.of(condition)
-        lines[key] = ConditionLine(setting.bed, setting.fill, setting.diameter, setting.acceleration_set, runs[key])
+        lines[key] = ConditionLine(
+            setting.bed, setting.fill, setting.diameter, setting.acceleration_set, runs[key]
+        )
     return lines

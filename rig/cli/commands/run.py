@@ -14,9 +14,15 @@ from rig.errors import InputError, Mistake
 
 
 def run_protocol(
-    campaign: Campaign, out: Path, workers: int | None, speed: float | None, resume: bool, force: bool, strict: bool,
+    campaign: Campaign,
+    out: Path,
+    workers: int | None,
+    speed: float | None,
+    resume: bool,
+    force: bool,
+    strict: bool,
     as_json: bool,
-) -> int:  # fmt: skip
+) -> int:
     """Run a campaign; return the exit code 0 where the verdict passes, 1 where it does not."""
     check_folder(out, resume, force)
     count = workers or cores()
@@ -40,7 +46,12 @@ def _refuse_beyond(campaign: Campaign, workers: int) -> None:
     from rig.campaign.preflight.outlook import preflight
 
     mistakes = [
-        Mistake(outlook.id, "drive.acceleration", flag, "within the exciter's and the front end's limits (--strict)")
+        Mistake(
+            outlook.id,
+            "drive.acceleration",
+            flag,
+            "within the exciter's and the front end's limits (--strict)",
+        )
         for outlook in preflight(campaign, workers)
         for flag in outlook.beyond
     ]
@@ -55,7 +66,10 @@ def check_folder(out: Path, resume: bool, force: bool) -> None:
     if (out / "session.h5").exists() and not (resume or force):
         raise InputError(
             Mistake(
-                str(out / "session.h5"), "", "a session that exists", "--resume to go on with it, --force to replace it"
+                str(out / "session.h5"),
+                "",
+                "a session that exists",
+                "--resume to go on with it, --force to replace it",
             )
         )
     # The nearest existing folder decides: the rest is created on writing.

@@ -15,7 +15,9 @@ KINDS = ("protocol", "report", "comparison", "map")
 def schema_text(kind: str, out: Path | None, force: bool) -> None:
     """Print the schema of a kind of document, or write it to a file."""
     if kind not in KINDS:
-        raise InputError(Mistake("rig schema", "kind", repr(kind), ", ".join(KINDS), nearest(kind, KINDS)))
+        raise InputError(
+            Mistake("rig schema", "kind", repr(kind), ", ".join(KINDS), nearest(kind, KINDS))
+        )
     schema = schema_of(kind)
     text = json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
     if out is None:

@@ -23,7 +23,11 @@ MIXED = f"stopped while it was written, its files do not belong together ({UNFIN
 
 
 def report_sessions(
-    sessions: Sequence[Path], out: Path | None, as_json: bool, tolerate_gaps: bool = False, png: bool = False
+    sessions: Sequence[Path],
+    out: Path | None,
+    as_json: bool,
+    tolerate_gaps: bool = False,
+    png: bool = False,
 ) -> int:
     """Analyse sessions from their records alone and write the reports; return the exit code 0 where
     all verdicts pass.
@@ -31,7 +35,9 @@ def report_sessions(
     from analysis.report.files import write_report
 
     if out is not None and len(sessions) > 1:
-        raise InputError(Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out"))
+        raise InputError(
+            Mistake("--out", "", f"{len(sessions)} sessions", "one session with --out")
+        )
     reports = []
     for session in sessions:
         path = session_file(session)
@@ -53,13 +59,21 @@ def _read(record: Record, tolerate_gaps: bool) -> "Report":
     from analysis.pipeline import read_session
     from analysis.processes import energies_by_processes
 
-    return read_session(record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps)
+    return read_session(
+        record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps
+    )
 
 
 def compare_sessions(
-    sessions: Sequence[Path], out: Path | None, as_json: bool, same_instruments: bool, tolerate_gaps: bool = False
+    sessions: Sequence[Path],
+    out: Path | None,
+    as_json: bool,
+    same_instruments: bool,
+    tolerate_gaps: bool = False,
 ) -> int:
-    """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where nothing matches."""
+    """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where
+    nothing matches.
+    """
     from analysis.comparison.two_sessions import compare
     from analysis.report.two_sessions import comparison_sentences, write_comparison
 
@@ -126,19 +140,51 @@ def session_info(session: Path, as_json: bool) -> None:
         console.print(f"{name}: {facts[name]}")
     if facts["report_unfinished"]:
         console.print(f"report: {MIXED}", soft_wrap=True)
-    console.print(table("Channels (certified)", ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"), [
-        (c["name"], c["model"], c["unit"], number(c["sensitivity"], 5), number(c["range_V"]), number(c["pole_Hz"]),
-         number(c["calibration_U"]))
-        for c in facts["channels"]
-    ], ("name", "model", "unit")))  # fmt: skip
-    console.print(table("Conditions", ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"), [
-        (c["id"], c["material"], c["bed"], scaled(c["fill"], 100), scaled(c["diameter"], 1e3),
-         number(c["acceleration_set"]), str(c["runs"]), str(c["complete_runs"]), " ".join(c["flags"]))
-        for c in facts["conditions"][:MOST_ROWS]
-    ], ("id", "grains", "bed", "flags")))  # fmt: skip
+    console.print(
+        table(
+            "Channels (certified)",
+            ("name", "model", "unit", "V/unit", "range V", "pole Hz", "U(k=2)"),
+            [
+                (
+                    c["name"],
+                    c["model"],
+                    c["unit"],
+                    number(c["sensitivity"], 5),
+                    number(c["range_V"]),
+                    number(c["pole_Hz"]),
+                    number(c["calibration_U"]),
+                )
+                for c in facts["channels"]
+            ],
+            ("name", "model", "unit"),
+        )
+    )
+    console.print(
+        table(
+            "Conditions",
+            ("id", "grains", "bed", "fill/%", "d/mm", "a", "runs", "complete", "flags"),
+            [
+                (
+                    c["id"],
+                    c["material"],
+                    c["bed"],
+                    scaled(c["fill"], 100),
+                    scaled(c["diameter"], 1e3),
+                    number(c["acceleration_set"]),
+                    str(c["runs"]),
+                    str(c["complete_runs"]),
+                    " ".join(c["flags"]),
+                )
+                for c in facts["conditions"][:MOST_ROWS]
+            ],
+            ("id", "grains", "bed", "flags"),
+        )
+    )
     more = len(facts["conditions"]) - MOST_ROWS
     if more > 0:
-        console.print(f"... and {counted(more, 'condition')} more: rig info --json lists all of them")
+        console.print(
+            f"... and {counted(more, 'condition')} more: rig info --json lists all of them"
+        )
     for name, value in facts["provenance"].items():
         console.print(f"{name}: {value}", highlight=False)
 
@@ -158,7 +204,9 @@ def _facts(record: Record) -> dict[str, Any]:
         "complete": record.complete,
         "truth": record.truth is not None,
         "rate": record.rate,
-        "channels": [{**asdict(info), "pole_Hz": info.pole_Hz} for info in record.channels.values()],
+        "channels": [
+            {**asdict(info), "pole_Hz": info.pole_Hz} for info in record.channels.values()
+        ],
         "conditions": _condition_facts(record, runs),
         "provenance": checked("provenance", record.document("provenance")) or {},
     }

@@ -16,7 +16,9 @@ def study_files(name: str, out: Path | None, as_json: bool) -> None:
     figures and tables.
     """
     if name not in STUDIES:
-        raise InputError(Mistake("--study", "", repr(name), ", ".join(STUDIES), nearest(name, STUDIES)))
+        raise InputError(
+            Mistake("--study", "", repr(name), ", ".join(STUDIES), nearest(name, STUDIES))
+        )
     found = study(name)
     written = write_study(dict(found), out if out is not None else Path("studies") / name)
     if as_json:
@@ -24,11 +26,16 @@ def study_files(name: str, out: Path | None, as_json: bool) -> None:
         return
     rows = [
         (
-            row["equation"], row["subject"], number(row["printed_value"]), number(row["corrected_value"]), row["unit"],
-            {True: "holds", False: "does not hold", None: "-"}[row["holds"]], row["note"],
+            row["equation"],
+            row["subject"],
+            number(row["printed_value"]),
+            number(row["corrected_value"]),
+            row["unit"],
+            {True: "holds", False: "does not hold", None: "-"}[row["holds"]],
+            row["note"],
         )
         for row in found["rows"]
-    ]  # fmt: skip
+    ]
     columns = ("eq", "subject", "printed", "corrected", "unit", "paper", "note")
     console = terminal()
     console.print(table("", columns, rows, ("eq", "subject", "unit", "paper", "note")))

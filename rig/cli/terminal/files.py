@@ -13,8 +13,12 @@ def write_new(path: Path, text: str, overwrite: bool) -> None:
     Raises InputError where it exists, unless it may be replaced.
     """
     if os.path.lexists(path) and not overwrite:
-        raise InputError(Mistake(str(path), "", "a file that exists", "a new path, or --force to replace it"))
+        raise InputError(
+            Mistake(str(path), "", "a file that exists", "a new path, or --force to replace it")
+        )
     try:
         write_whole(path, text)
     except OSError as error:
-        raise InputError(Mistake(str(path), "", f"no way to write it ({error.strerror})", "a writable path")) from None
+        raise InputError(
+            Mistake(str(path), "", f"no way to write it ({error.strerror})", "a writable path")
+        ) from None

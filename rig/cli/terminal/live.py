@@ -46,7 +46,9 @@ def lines_of(campaign: "Campaign") -> dict[str, ConditionLine]:
     """Return the view's lines for the conditions of a campaign, by id."""
     repeats = campaign.protocol.repeats.n
     return {
-        c.id: ConditionLine(c.scene.bed, c.scene.grains.fill, c.scene.grains.diameter, c.drive.acceleration, repeats)
+        c.id: ConditionLine(
+            c.scene.bed, c.scene.grains.fill, c.scene.grains.diameter, c.drive.acceleration, repeats
+        )
         for c in campaign.conditions
     }
 
@@ -62,10 +64,17 @@ class LiveView:
         self._flags: dict[str, set[str]] = {}
         self._lines = lines
         self._bar = Progress(
-            TextColumn("runs"), BarColumn(bar_width=30), TextColumn("{task.fields[done]}/{task.total:.0f}"),
-            TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(), console=console,
-        )  # fmt: skip
-        self._task = self._bar.add_task("runs", total=sum(line.runs for line in lines.values()), done=0)
+            TextColumn("runs"),
+            BarColumn(bar_width=30),
+            TextColumn("{task.fields[done]}/{task.total:.0f}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=console,
+        )
+        self._task = self._bar.add_task(
+            "runs", total=sum(line.runs for line in lines.values()), done=0
+        )
         self._done = 0
         # Fractions of the runs that are being recorded, by name.
         self._under_way: dict[str, float] = {}
@@ -90,27 +99,36 @@ class LiveView:
 
     def _advance(self) -> None:
         self._under_way = {name: done for name, done in self._under_way.items() if done < 1.0}
-        self._bar.update(self._task, completed=self._done + sum(self._under_way.values()), done=self._done)
+        self._bar.update(
+            self._task, completed=self._done + sum(self._under_way.values()), done=self._done
+        )
 
     def step(self, step: "Step") -> None:
         """Show a finished run."""
         # Popped and added again: the condition that changed last moves to the end, and the table
         # shows the end.
         found = self._sums.pop(step.condition, [])
-        self._sums[step.condition] = found if step.energy is None else [*found, step.energy.energy.W]
+        self._sums[step.condition] = (
+            found if step.energy is None else [*found, step.energy.energy.W]
+        )
         flags = ("unusable",) if step.energy is None else step.energy.flags
         self._flags.setdefault(step.condition, set()).update(flags)
         self._done = step.done
         self._under_way.pop(step.run, None)
         self.punctuality += step.punctuality
         self._advance()
-        if not self._console.is_terminal and (10 * step.done) // step.total != (10 * (step.done - 1)) // step.total:
+        if (
+            not self._console.is_terminal
+            and (10 * step.done) // step.total != (10 * (step.done - 1)) // step.total
+        ):
             self._console.print(f"{step.done} of {step.total} runs")
 
     def __rich__(self) -> Group:
         table = Table(box=None, pad_edge=False)
         for name in ("condition", "bed", "fill", "d", "a", "runs", "W_exp", "flags"):
-            table.add_column(name, justify="left" if name in ("condition", "bed", "flags") else "right")
+            table.add_column(
+                name, justify="left" if name in ("condition", "bed", "flags") else "right"
+            )
         for key in list(self._sums)[-LINES:]:
             line, found = self._lines[key], self._sums[key]
             table.add_row(

@@ -28,7 +28,11 @@ def say(sentence: str, to_stderr: bool = False) -> None:
 def say_compiling() -> None:
     """Print the reason of the wait to standard error, which may be closed."""
     with suppress(OSError, ValueError):
-        print("compiling for this processor, once: half a minute to a minute", file=sys.stderr, flush=True)
+        print(
+            "compiling for this processor, once: half a minute to a minute",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def print_result(report: "Report", folder: Path) -> None:

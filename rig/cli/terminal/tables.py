@@ -58,7 +58,9 @@ class Terminal(Console):
 def terminal(stderr: bool = False, quiet: bool = False) -> Console:
     """Return the console for results (standard output) or progress (standard error)."""
     console = Terminal(stderr=stderr, quiet=quiet)
-    return console if console.is_terminal else Terminal(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
+    return (
+        console if console.is_terminal else Terminal(stderr=stderr, quiet=quiet, width=PIPE_WIDTH)
+    )
 
 
 def millijoules(value: float | None, digits: int = 4) -> str:
@@ -90,7 +92,9 @@ def percent(value: float | None) -> str:
     return "-" if value is None else f"{100 * value:+.1f} %"
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[str] = ()) -> Table:
+def table(
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[str] = ()
+) -> Table:
     """Return a table with the columns named in `left` aligned left, all others right."""
     found = Table(title=title, title_justify="left", box=None, pad_edge=False)
     for column in columns:
@@ -101,7 +105,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], lef
 
 
 def print_report(console: Console, report: "Report") -> None:
-    """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement and the checks."""
+    """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement
+    and the checks.
+    """
     from analysis.report import wording
     from analysis.report.deliberate_errors import mistake_sentences
     from analysis.report.tables.fidelity import fidelity_sentences
@@ -109,15 +115,28 @@ def print_report(console: Console, report: "Report") -> None:
 
     rows = (
         (
-            c.id, c.material, scaled(c.diameter, 1e3), c.bed, scaled(c.fill, 100),
-            number(c.acceleration), millijoules(c.W_exp), millijoules(c.U_W_exp, 2), millijoules(c.W_T),
-            percent(c.offset), number(c.E_n_chain, 2),
+            c.id,
+            c.material,
+            scaled(c.diameter, 1e3),
+            c.bed,
+            scaled(c.fill, 100),
+            number(c.acceleration),
+            millijoules(c.W_exp),
+            millijoules(c.U_W_exp, 2),
+            millijoules(c.W_T),
+            percent(c.offset),
+            number(c.E_n_truth, 2),
         )
         for c in report.conditions[:MOST_ROWS]
-    )  # fmt: skip
+    )
     columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n ch.")
     console.print(
-        table("Energies in mJ per cycle, fill in %, d in mm, a in m/s2", columns, rows, ("id", "grains", "bed"))
+        table(
+            "Energies in mJ per cycle, fill in %, d in mm, a in m/s2",
+            columns,
+            rows,
+            ("id", "grains", "bed"),
+        )
     )
     more = len(report.conditions) - MOST_ROWS
     if more > 0:
@@ -125,7 +144,7 @@ def print_report(console: Console, report: "Report") -> None:
     for claim in report.claims:
         console.print(f"claim, {claim.verdict}: {claim.claim.rstrip('.')} ({claim.why})")
     console.print()
-    ideal = " (ideal waveform assumed in servo drive)" if report.waveform == "ideal" else ""
+    ideal = " (ideal waveform assumed in prescribed motion)" if report.waveform == "ideal" else ""
     tests = "no energy" if wording.only_sweeps(report) else report.tests
     console.print(f"tests: {tests}; waveform: {report.waveform}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
@@ -136,5 +155,10 @@ def print_report(console: Console, report: "Report") -> None:
         console.print(f"warning: {flag.flag} in {counted(len(flag.runs), 'run')}{worst}")
     console.print(f"verdict: {wording.verdict_line(report).lower()}")
     *told, _flags = wording.found(report)
-    for sentence in (*wording.failures(report), wording.headline(report), *told, *wording.reasons(report)):
+    for sentence in (
+        *wording.failures(report),
+        wording.headline(report),
+        *told,
+        *wording.reasons(report),
+    ):
         console.print(f"  {sentence.translate(PLAIN)}")

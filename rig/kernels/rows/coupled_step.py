@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.rows.tiles import BAND, CHUNK, FIELDS, HI, LO, PLAY, P, U, W, clear, total
+from rig.kernels.rows.tiles import BAND, CHUNK, CLEARANCE, FIELDS, HI, LO, P, U, W, clear, total
 from rig.kernels.waveform import Array, Ints
 
 NEWTON = 100
@@ -32,10 +32,10 @@ WINDOW = 2
 """Intervals before and after an edge whose impacts are computed at that edge."""
 
 NEAR = 1e-4
-"""A leaning row stays in contact within this fraction of its play."""
+"""A leaning row stays in contact within this fraction of its clearance."""
 NEARBY = 0.01
-"""Play, m, above which `NEAR` no longer grows with it. Impacts elsewhere shake a leaning row by
-less.
+"""Clearance, m, above which `NEAR` no longer grows with it. Impacts elsewhere shake a leaning row
+by less.
 """
 
 HELD, LEANING = range(2)
@@ -68,7 +68,9 @@ class Pull(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def impulses(V: float, time: float, tiles: Array, rows: np.uint64, tally: Ints, lanes: Array) -> tuple[float, int]:
+def impulses(
+    V: float, time: float, tiles: Array, rows: np.uint64, tally: Ints, lanes: Array
+) -> tuple[float, int]:
     """Fill `P` with the impulse per unit mass on each row for a trial box velocity V at the end of
     the step. Returns (sum of impulses, number of sticking rows).
 
@@ -96,7 +98,9 @@ def impulses(V: float, time: float, tiles: Array, rows: np.uint64, tally: Ints, 
 
 
 @njit(cache=True, nogil=True)
-def other_impulse(V: float, start: float, speed: float, time: float, on: Pull) -> tuple[float, float, float, float]:
+def other_impulse(
+    V: float, start: float, speed: float, time: float, on: Pull
+) -> tuple[float, float, float, float]:
     """Return the impulses of the box on air, guide and preload over a step from velocity `start` to
     V, and their derivative by V.
 
@@ -109,7 +113,9 @@ def other_impulse(V: float, start: float, speed: float, time: float, on: Pull) -
     hold = GROUND * on.box * V
     limit = on.guide * time
     guide = min(max(hold, -limit), limit)
-    slope = 0.5 * on.air * time * speed + (GROUND * on.box if guide == hold and limit > 0.0 else 0.0)
+    slope = 0.5 * on.air * time * speed + (
+        GROUND * on.box if guide == hold and limit > 0.0 else 0.0
+    )
     return air, guide, -on.preload * time, slope
 
 
@@ -132,7 +138,9 @@ def turn(V: float, start: float, time: float, tiles: Array, rows: np.uint64, lan
             i = tile + j
             w = tiles[i + W]
             # Count first: reversals are rare, and most tiles need no second pass.
-            turned += 1 if ((start - w) * (V - w - tiles[i + P]) <= 0.0) & (fast > tiles[i + BAND]) else 0
+            turned += (
+                1 if ((start - w) * (V - w - tiles[i + P]) <= 0.0) & (fast > tiles[i + BAND]) else 0
+            )
         if turned == 0:
             continue
         clear(lanes)
@@ -151,9 +159,18 @@ def turn(V: float, start: float, time: float, tiles: Array, rows: np.uint64, lan
 
 @njit(cache=True, nogil=True)
 def end_velocity(
-    V: float, start: float, free: float, gain: float, time: float, on: Pull, tiles: Array, rows: np.uint64,
-    steady: float, tally: Ints, lanes: Array,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    V: float,
+    start: float,
+    free: float,
+    gain: float,
+    time: float,
+    on: Pull,
+    tiles: Array,
+    rows: np.uint64,
+    steady: float,
+    tally: Ints,
+    lanes: Array,
+) -> tuple[float, float, float, float]:
     """Solve for the box velocity at the end of a step, starting from the guess V.
 
     steady : constant force on rows that are not in the tiles, N
@@ -191,9 +208,17 @@ def end_velocity(
 
 @njit(cache=True, nogil=True)
 def next_walls(
-    interval: float, steps: int, pull: float, per_time: float, path: Array, depth: float, tiles: Array,
-    rows: np.uint64, who: Ints, room: Array,
-) -> tuple[int, float]:  # fmt: skip
+    interval: float,
+    steps: int,
+    pull: float,
+    per_time: float,
+    path: Array,
+    depth: float,
+    tiles: Array,
+    rows: np.uint64,
+    who: Ints,
+    room: Array,
+) -> tuple[int, float]:
     """Return the number of rows that will pass a wall within the next intervals at their present
     friction, and the time of the first.
 
@@ -215,19 +240,21 @@ def next_walls(
             room[j] = place
             # An infinite limit marks a row that already leans on that wall.
             low = (place < -depth) & (tiles[i + HI] < math.inf)
-            far = (place > tiles[i + PLAY] + depth) & (tiles[i + LO] > -math.inf)
+            far = (place > tiles[i + CLEARANCE] + depth) & (tiles[i + LO] > -math.inf)
             beyond += 1 if low | far else 0
         if beyond == 0:
             continue
         for j in range(np.uint64(0), here):
             i, place = tile + j, room[j]
-            if -depth <= place <= tiles[i + PLAY] + depth:
+            if -depth <= place <= tiles[i + CLEARANCE] + depth:
                 continue
             low = place < 0.0
             if (tiles[i + HI] if low else -tiles[i + LO]) == math.inf:
                 continue
             a = tiles[i + P] * per_time + pull
-            t = _crossing(tiles[i + W], a, tiles[i + U], tiles[i + PLAY], low, interval, steps, path)
+            t = _crossing(
+                tiles[i + W], a, tiles[i + U], tiles[i + CLEARANCE], low, interval, steps, path
+            )
             who[count] = np.int64(i) if low else -1 - np.int64(i)
             count += 1
             first = min(first, t)
@@ -235,15 +262,24 @@ def next_walls(
 
 
 @njit(cache=True, nogil=True)
-def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: float, steps: int, path: Array) -> float:
+def _crossing(
+    w: float,
+    a: float,
+    u: float,
+    clearance: float,
+    low: bool,
+    interval: float,
+    steps: int,
+    path: Array,
+) -> float:
     """Return the time, in intervals, at which a row first passes a wall, by linear interpolation
     between edges; 0 if it is outside.
     """
-    before = u if low else play - u
+    before = u if low else clearance - u
     for k in range(1, steps + 1):
         s = k * interval
         now = u + (w + 0.5 * a * s) * s - path[k]
-        gap = now if low else play - now
+        gap = now if low else clearance - now
         if gap < 0.0:
             return k - 1 + (before / (before - gap) if before > 0.0 else 0.0)
         before = gap
@@ -252,9 +288,18 @@ def _crossing(w: float, a: float, u: float, play: float, low: bool, interval: fl
 
 @njit(cache=True, nogil=True)
 def carry(
-    a: float, start: float, time: float, part: float, moved: float, on: Pull, tiles: Array, rows: np.uint64,
-    tally: Ints, lanes: Array, settle: bool,
-) -> tuple[float, float]:  # fmt: skip
+    a: float,
+    start: float,
+    time: float,
+    part: float,
+    moved: float,
+    on: Pull,
+    tiles: Array,
+    rows: np.uint64,
+    tally: Ints,
+    lanes: Array,
+    settle: bool,
+) -> tuple[float, float]:
     """Move the rows through the first `part` (s) of a step of `time` (s).
 
     a : as in `turn`
@@ -290,7 +335,14 @@ def carry(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _settle(
-    a: float, start: float, time: float, fall: float, tiles: Array, tile: np.uint64, here: np.uint64, ways: Array
+    a: float,
+    start: float,
+    time: float,
+    fall: float,
+    tiles: Array,
+    tile: np.uint64,
+    here: np.uint64,
+    ways: Array,
 ) -> None:
     """Correct the displacements of rows that come to rest in the box within a step: z t/2, with t =
     |z|/(band - a sign z).
@@ -312,8 +364,15 @@ def _settle(
 
 @njit(cache=True, nogil=True)
 def _lean(
-    time: float, fall: float, tiles: Array, tile: np.uint64, here: np.uint64, ways: Array, heat: Array, lanes: Array
-) -> tuple[float, int]:  # fmt: skip
+    time: float,
+    fall: float,
+    tiles: Array,
+    tile: np.uint64,
+    here: np.uint64,
+    ways: Array,
+    heat: Array,
+    lanes: Array,
+) -> tuple[float, int]:
     """Keep rows that lean on a wall in place unless they slide off.
 
     Returns (heat per mass, times time; number of rows that still lean). The heat is the work of
@@ -325,7 +384,7 @@ def _lean(
     for j in range(np.uint64(0), here):
         i = tile + j
         least, most, p, way = tiles[i + LO], tiles[i + HI], tiles[i + P], ways[j]
-        rub, place, room = tiles[i + BAND], tiles[i + U], tiles[i + PLAY]
+        rub, place, room = tiles[i + BAND], tiles[i + U], tiles[i + CLEARANCE]
         stays = (most - least == math.inf) & (p != least * time) & (p != most * time)
         kept = way if stays else 0.0
         lanes[j] = (p - min(max(p, -rub * time), rub * time)) * way + fall * kept
@@ -360,7 +419,7 @@ def collide(
         u, w = tiles[i + U], tiles[i + W]
         s = 1.0 if low else -1.0
         closing = s * (V - w)
-        gap = u if low else tiles[i + PLAY] - u
+        gap = u if low else tiles[i + CLEARANCE] - u
         if closing <= 0.0 or gap > WINDOW * interval * closing:
             continue
         back = on.restitution * closing
@@ -371,7 +430,7 @@ def collide(
         V -= s * share * (closing + back)
         tiles[i + W] = V + s * back
         away = -gap / closing * back
-        place = away if low else tiles[i + PLAY] - away
+        place = away if low else tiles[i + CLEARANCE] - away
         # Moving the row changes its potential energy: booked here, so that the ledger closes.
         lost += m * on.pull * (place - u)
         tiles[i + U] = place

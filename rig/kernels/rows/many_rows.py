@@ -19,8 +19,8 @@ HISTORY = 64
 """Longest period that is looked for, in cycles of the drive."""
 
 LONGEST_SPAN = 64
-"""Most cycles that a row may take to cross its play: exceeded by a frictionless row in a play of
-more than 400 X.
+"""Most cycles that a row may take to cross its clearance: exceeded by a frictionless row in a
+clearance of more than 400 X.
 """
 
 CROSSINGS, FORGETTING = 16, 40
@@ -91,7 +91,11 @@ def find_recurrence(history: Array, now: int, mode: int, u: float, z: float) -> 
     for back in range(1, min(now, length) + 1):
         k = (now - back) % length
         # The mode must be equal, position and velocity equal within round-off.
-        if abs(history[k, 1] - u) < SAME and abs(history[k, 2] - z) < SAME and history[k, 0] == mode:
+        if (
+            abs(history[k, 1] - u) < SAME
+            and abs(history[k, 2] - z) < SAME
+            and history[k, 0] == mode
+        ):
             return back
     return 0
 
@@ -101,7 +105,8 @@ def steady_energy(rows: RowSet, P: Array, Q: Array, average: int) -> tuple[Array
 
     Rows start at rest at one wall. A row whose state recurs within `HISTORY` cycles gives the mean
     over that period, however long it wandered before. Any other gives the mean over the last
-    `average` of `HISTORY` + `average` cycles; for a row in a wide play both numbers grow (`_span`).
+    `average` of `HISTORY` + `average` cycles; for a row in a wide clearance both numbers grow
+    (`_span`).
 
     Returns friction, collision and period (0: none), each of shape (rows,). The period is -1 if a
     row exceeds `MAX_EVENTS`, -2 if its span exceeds `LONGEST_SPAN`.
@@ -118,28 +123,39 @@ def steady_and_window(
     window : (first cycle, one past the last); the energy has shape (rows,). The rows are at rest
         when cycle 0 begins, so this is the energy in a record after that many cycles of settling.
     """
-    found: tuple[Array, Array, Ints, Array] = _steady_energy(*rows, P, Q, average, *window, no_events())
+    found: tuple[Array, Array, Ints, Array] = _steady_energy(
+        *rows, P, Q, average, *window, no_events()
+    )
     return found
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _span(band: float, play: float) -> tuple[int, int]:
+def _span(band: float, clearance: float) -> tuple[int, int]:
     """Return the cycles of one span, and the number of spans to leave out before averaging.
 
-    A span is the time that a row thrown at speed 1 needs to cross its play, or until friction has
-    stopped it, after 1/(2 band). Friction leaves the fraction e^(-pi band) of the memory of the
+    A span is the time that a row thrown at speed 1 needs to cross its clearance, or until friction
+    has stopped it, after 1/(2 band). Friction leaves the fraction e^(-pi band) of the memory of the
     start in each cycle; a plastic hit leaves none.
     """
-    crosses = 2.0 * band * play < 1.0
-    reach = play if crosses else 0.5 / band
+    crosses = 2.0 * band * clearance < 1.0
+    reach = clearance if crosses else 0.5 / band
     return math.ceil(min(reach / TWO_PI, LONGEST_SPAN + 1.0)), CROSSINGS if crosses else FORGETTING
 
 
 @njit(cache=True, nogil=True)
 def _steady_energy(
-    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, average: int,
-    first: int, last: int, room: NDArray[np.void],
-) -> tuple[Array, Array, Ints, Array]:  # fmt: skip
+    layer: Ints,
+    clearance: Array,
+    restitution: float,
+    band: Array,
+    tables: Array,
+    P: Array,
+    Q: Array,
+    average: int,
+    first: int,
+    last: int,
+    room: NDArray[np.void],
+) -> tuple[Array, Array, Ints, Array]:
     tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     count = layer.shape[0]
     friction = np.zeros(count)
@@ -153,11 +169,11 @@ def _steady_energy(
         i = layer[r]
         table = tables[i]
         mode, u, z = 0, 0.0, 0.0
-        span, left_out = _span(band[i], play[r])
+        span, left_out = _span(band[i], clearance[r])
         if span > LONGEST_SPAN:
             period[r] = -2
             continue
-        # Wide plays: several crossings must pass before a mean is representative.
+        # Wide clearances: several crossings must pass before a mean is representative.
         settled, averaged = max(HISTORY, left_out * span), max(average, CROSSINGS * span)
         for n in range(settled + averaged):
             k = n % HISTORY
@@ -176,7 +192,7 @@ def _steady_energy(
                     seen[r] += losses[b, 0] + losses[b, 1]
                 break
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
-            after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
+            after = cycle(mode, u, z, band[i], clearance[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
             # More events than can be stored: reported by a negative period.
             if after.events < 0:
@@ -195,7 +211,14 @@ def _steady_energy(
 
 
 def follow(
-    grid: EdgeGrid, velocity: Array, riding_rows: float, scale: float, rows: RowSet, P: Array, Q: Array, memory: Memory
+    grid: EdgeGrid,
+    velocity: Array,
+    riding_rows: float,
+    scale: float,
+    rows: RowSet,
+    P: Array,
+    Q: Array,
+    memory: Memory,
 ) -> tuple[Array, Array, int]:
     """Advance rows through the cycles of a grid and return their total momentum, times `scale`, at
     its edges.
@@ -213,16 +236,29 @@ def follow(
     base = np.zeros((grid.cycles, 3))
     base[:, 0] = riding_rows
     first_cycle, cycles, per_cycle = grid
-    ledger, repeats = _follow(first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base, no_events())
+    ledger, repeats = _follow(
+        first_cycle, cycles, per_cycle, *rows, P, Q, memory, step, base, no_events()
+    )
     return _momentum(*grid, step, base, velocity, scale), ledger, repeats
 
 
 @njit(cache=True, nogil=True)
 def _follow(
-    first_cycle: int, cycles: int, per_cycle: float, layer: Ints, play: Array, restitution: float, band: Array,
-    tables: Array, P: Array, Q: Array, memory: Memory, step: Array, base: Array,
+    first_cycle: int,
+    cycles: int,
+    per_cycle: float,
+    layer: Ints,
+    clearance: Array,
+    restitution: float,
+    band: Array,
+    tables: Array,
+    P: Array,
+    Q: Array,
+    memory: Memory,
+    step: Array,
+    base: Array,
     room: NDArray[np.void],
-) -> tuple[Array, int]:  # fmt: skip
+) -> tuple[Array, int]:
     """Return the ledger of the rows and their common period (`follow`); add their velocities to
     `step` and `base`.
 
@@ -249,7 +285,9 @@ def _follow(
             if row.period > 0 and row.recorded >= row.period:
                 after = _replay(row, events)
             else:
-                after = cycle(row.mode, row.u, row.z, band[i], play[r], restitution, table, P, Q, events)
+                after = cycle(
+                    row.mode, row.u, row.z, band[i], clearance[r], restitution, table, P, Q, events
+                )
                 if after.events < 0:
                     return ledger, -1
                 _store(row, after, events)
@@ -266,7 +304,9 @@ def _follow(
             here, last = math.ceil(now * per_cycle), math.ceil((now + 1) * per_cycle)
             for n in range(after.events):
                 edge = math.ceil(now * per_cycle + events.phase[n] * per_phase)
-                new_riding, new_level, new_slope = _branch(events.mode[n], events.phase[n], events.w[n], band[i])
+                new_riding, new_level, new_slope = _branch(
+                    events.mode[n], events.phase[n], events.w[n], band[i]
+                )
                 # An event after the last edge of the cycle first shows at the next cycle's base.
                 if here <= edge < last:
                     step[edge - origin, 0] += new_riding - riding
@@ -334,7 +374,11 @@ def _store(row: Any, after: RowCycle, events: Any) -> None:
         row.event_mode[begin + n] = events.mode[n]
         row.w[begin + n] = events.w[n]
     row.offset[turn + 1] = begin + after.events
-    row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2] = after.work, after.friction, after.collision
+    row.energy[turn, 0], row.energy[turn, 1], row.energy[turn, 2] = (
+        after.work,
+        after.friction,
+        after.collision,
+    )
     row.after[turn, 0], row.after[turn, 1], row.after[turn, 2] = after.mode, after.u, after.z
     row.recorded += 1
 
@@ -353,7 +397,13 @@ def _branch(mode: int, phase: float, w: float, band: float) -> tuple[float, floa
 
 @njit(cache=True, nogil=True)
 def _momentum(
-    first_cycle: int, cycles: int, per_cycle: float, step: Array, base: Array, velocity: Array, scale: float
+    first_cycle: int,
+    cycles: int,
+    per_cycle: float,
+    step: Array,
+    base: Array,
+    velocity: Array,
+    scale: float,
 ) -> Array:
     """Return momentum times `scale` at every edge: the running sum of the coefficients along each
     cycle.

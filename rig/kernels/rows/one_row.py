@@ -1,11 +1,11 @@
 """A row of grains that slides, stops and hits the end walls of a box in prescribed motion, event by
 event.
 
-A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a free play and a
-coefficient of restitution at both end walls. u in [0, play] is its position in the box, z = u' its
-velocity relative to the box, w its velocity in the laboratory frame, all in units of the waveform.
-Between events the motion is closed form; event phases are bracketed roots. Simultaneous events have
-a fixed order: wall before stop, stop before region change.
+A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a clearance and a
+coefficient of restitution at both end walls. u in [0, clearance] is its position in the box, z = u'
+its velocity relative to the box, w its velocity in the laboratory frame, all in units of the
+waveform. Between events the motion is closed form; event phases are bracketed roots. Simultaneous
+events have a fixed order: wall before stop, stop before region change.
 """
 
 import math
@@ -19,7 +19,7 @@ from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import TWO_PI, Array, Ints, jet, motion, near_by
 
 MAX_EVENTS = 512
-"""Events of one row in one cycle; a row with more (elastic, frictionless, vanishing play) is
+"""Events of one row in one cycle; a row with more (elastic, frictionless, vanishing clearance) is
 rejected.
 """
 
@@ -46,21 +46,25 @@ wall.
 class RowSet(NamedTuple):
     """Independent rows of unit mass, units of the waveform.
 
-    layer, play : layer number and free play of each row, shape (rows,)
+    layer, clearance : layer number and clearance of each row, shape (rows,)
     restitution : of all rows at the end walls
     band, tables : threshold of each layer, shape (layers,), and its crossings by the waveform
         (`Crossings`)
     """
 
     layer: Ints
-    play: Array
+    clearance: Array
     restitution: float
     band: Array
     tables: Array
 
 
 EVENTS = np.dtype(
-    [("phase", np.float64, (MAX_EVENTS,)), ("mode", np.int64, (MAX_EVENTS,)), ("w", np.float64, (MAX_EVENTS,))]
+    [
+        ("phase", np.float64, (MAX_EVENTS,)),
+        ("mode", np.int64, (MAX_EVENTS,)),
+        ("w", np.float64, (MAX_EVENTS,)),
+    ]
 )
 """The new state at each event of a cycle: phase, mode, and the row's velocity in the laboratory
 frame.
@@ -99,9 +103,20 @@ class RowCycle(NamedTuple):
 
 @njit(cache=True, nogil=True, inline="always")
 def _stop(
-    lo: float, f_lo: float, a_lo: float, hi: float, f_hi: float, start: float, y: float, w: float, band: float,
-    s: float, wall: float, P: Array, Q: Array,
-) -> tuple[float, float, float, float, int]:  # fmt: skip
+    lo: float,
+    f_lo: float,
+    a_lo: float,
+    hi: float,
+    f_hi: float,
+    start: float,
+    y: float,
+    w: float,
+    band: float,
+    s: float,
+    wall: float,
+    P: Array,
+    Q: Array,
+) -> tuple[float, float, float, float, int]:
     """Find the root of the sliding speed s z in a bracket where it falls from >= 0 to < 0.
 
     Halley's method, started from the parabola through both ends with the slope at `lo`, safeguarded
@@ -141,7 +156,13 @@ def _stop(
                 # Newton on the Taylor series; its error is known from curvature and slope, so no
                 # further sine is needed.
                 if fix * fix * (abs(jerk) + abs(steep)) <= EXACT * abs(steep):
-                    return theta + step, place - fix * speed, speed - fix * rate, rate - fix * jerk, n
+                    return (
+                        theta + step,
+                        place - fix * speed,
+                        speed - fix * rate,
+                        rate - fix * jerk,
+                        n,
+                    )
         theta = new
         if hi - lo < TIGHT:
             break
@@ -151,9 +172,20 @@ def _stop(
 
 @njit(cache=True, nogil=True, inline="always")
 def _hit(
-    lo: float, gap_lo: float, v_lo: float, hi: float, gap_hi: float, start: float, y: float, w: float, band: float,
-    s: float, wall: float, P: Array, Q: Array,
-) -> tuple[float, float, float, float, int]:  # fmt: skip
+    lo: float,
+    gap_lo: float,
+    v_lo: float,
+    hi: float,
+    gap_hi: float,
+    start: float,
+    y: float,
+    w: float,
+    band: float,
+    s: float,
+    wall: float,
+    P: Array,
+    Q: Array,
+) -> tuple[float, float, float, float, int]:
     """Find the root of the distance to the wall in a bracket where it falls from >= 0 to <= 0;
     returns as `_stop`.
 
@@ -190,7 +222,13 @@ def _hit(
                 fix = (s * (wall + place - y - w * u) + 0.5 * band * u * u) / steep
                 step += fix
                 if fix * fix * (abs(s * rate + band) + abs(steep)) <= EXACT * abs(steep):
-                    return theta + step, place + fix * speed, speed + fix * rate, rate + fix * jerk, n
+                    return (
+                        theta + step,
+                        place + fix * speed,
+                        speed + fix * rate,
+                        rate + fix * jerk,
+                        n,
+                    )
         theta = new
         if hi - lo < TIGHT:
             break
@@ -199,11 +237,11 @@ def _hit(
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _thrown(region: int, u: float, play: float) -> int:
+def _thrown(region: int, u: float, clearance: float) -> int:
     """Return the direction in which a riding row starts to slide: against the box acceleration, if
     there is room; 0 for none.
     """
-    if region == -1 and u < play:
+    if region == -1 and u < clearance:
         return 1
     if region == 1 and u > 0.0:
         return -1
@@ -212,28 +250,44 @@ def _thrown(region: int, u: float, play: float) -> int:
 
 @njit(cache=True, nogil=True, inline="always")
 def cycle(
-    mode: int, u: float, z: float, band: float, play: float, restitution: float, table: Array, P: Array, Q: Array,
+    mode: int,
+    u: float,
+    z: float,
+    band: float,
+    clearance: float,
+    restitution: float,
+    table: Array,
+    P: Array,
+    Q: Array,
     events: Any,
-) -> RowCycle:  # fmt: skip
+) -> RowCycle:
     """Advance a row by one cycle of the drive from (mode, u, z); its events are written to
     `events`, a record of `EVENTS`.
 
     `table` holds the crossings of the row's layer. One function on purpose, and inlined into its
     callers: a call passes six arrays, which costs as much as an event.
     """
-    theta, x, v, a, region, ahead, n = 0.0, table[0, 1], table[0, 2], table[0, 4], int(table[0, 3]), 1, 0
+    theta, x, v, a, region, ahead, n = (
+        0.0,
+        table[0, 1],
+        table[0, 2],
+        table[0, 4],
+        int(table[0, 3]),
+        1,
+        0,
+    )
     work, friction, collision, roots = 0.0, 0.0, 0.0, 0
     start, y, w = theta, x + u, v + z
     start_x, start_v = x, v
     while True:
         if mode == 0:
-            mode = _thrown(region, u, play)
+            mode = _thrown(region, u, clearance)
             # Ride on from crossing to crossing until one throws the row.
             while mode == 0 and theta < TWO_PI:
                 theta, x, v, a = table[ahead, 0], table[ahead, 1], table[ahead, 2], table[ahead, 4]
                 region = int(table[ahead, 3])
                 ahead += 1
-                mode = _thrown(region, u, play)
+                mode = _thrown(region, u, clearance)
             # While riding, the row has the velocity of the box: the work is its change of kinetic
             # energy.
             work += 0.5 * (v * v - start_v * start_v)
@@ -245,8 +299,13 @@ def cycle(
             events.phase[n], events.mode[n], events.w[n] = theta, mode, w
             n += 1
         s = float(mode)
-        wall = play if mode == 1 else 0.0
-        end, x_end, v_end, a_end = table[ahead, 0], table[ahead, 1], table[ahead, 2], table[ahead, 4]
+        wall = clearance if mode == 1 else 0.0
+        end, x_end, v_end, a_end = (
+            table[ahead, 0],
+            table[ahead, 1],
+            table[ahead, 2],
+            table[ahead, 4],
+        )
         t = end - start
         gap_end = s * (wall + x_end - y - w * t) + 0.5 * band * t * t
         closing_end = s * (w - v_end) - band * t
@@ -278,7 +337,7 @@ def cycle(
             continue
         before = u
         # Clamped: round-off must not put a row behind a wall.
-        u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), play)
+        u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), clearance)
         # Coulomb loss: friction times the slip relative to the box, whose sign is that of s.
         friction += band * s * (u - before)
         # Work of the box: friction force -s band on the row times the displacement of the box, not

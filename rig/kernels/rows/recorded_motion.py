@@ -1,11 +1,11 @@
 """Rows of grains in a box whose acceleration is known by samples: linear between them, events
 exact.
 
-A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a free play and a
-coefficient of restitution at both end walls; u in [0, play] is its position in the box, z = u' its
-velocity relative to the box, SI units. The laws are those of `rig.kernels.rows.one_row`, where the
-motion is a few harmonics in closed form; here it is arbitrary. Between two samples z is a parabola
-and u a cubic in time: a stop is a root of the first, a hit one of the second.
+A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a clearance and a
+coefficient of restitution at both end walls; u in [0, clearance] is its position in the box, z = u'
+its velocity relative to the box, SI units. The laws are those of `rig.kernels.rows.one_row`, where
+the motion is a few harmonics in closed form; here it is arbitrary. Between two samples z is a
+parabola and u a cubic in time: a stop is a root of the first, a hit one of the second.
 """
 
 import math
@@ -77,12 +77,18 @@ def _hit(gap: float, z: float, c: float, j: float, hi: float) -> float:
 
 @njit(cache=True, nogil=True)
 def sampled_energy(
-    band: Array, play: Array, restitution: float, acceleration: Array, step: float, settle: int, ramp: int = 0
+    band: Array,
+    clearance: Array,
+    restitution: float,
+    acceleration: Array,
+    step: float,
+    settle: int,
+    ramp: int = 0,
 ) -> tuple[float, float]:
     """Return the friction and collision losses of all rows over one period of a sampled box
     acceleration, J per kg of a row.
 
-    band, play : of each row, m/s^2 and m, shape (rows,)
+    band, clearance : of each row, m/s^2 and m, shape (rows,)
     acceleration : at uniform times `step` (s) apart, m/s^2, shape (samples,); it is periodic, the
         last sample joins the first
     settle : number of final samples that the rows, initially at rest at one wall, go through before
@@ -111,7 +117,9 @@ def sampled_energy(
             if m < -settle:
                 first *= (m + settle + ramp) / ramp
                 last *= (m + 1 + settle + ramp) / ramp
-            mode, u, z, rubbed, struck = _across(mode, u, z, band[r], play[r], restitution, first, last, step, slow)
+            mode, u, z, rubbed, struck = _across(
+                mode, u, z, band[r], clearance[r], restitution, first, last, step, slow
+            )
             if m >= 0:
                 friction += rubbed
                 collision += struck
@@ -120,9 +128,17 @@ def sampled_energy(
 
 @njit(cache=True, nogil=True)
 def _across(
-    mode: int, u: float, z: float, band: float, play: float, restitution: float, first: float, last: float,
-    step: float, slow: float,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+    mode: int,
+    u: float,
+    z: float,
+    band: float,
+    clearance: float,
+    restitution: float,
+    first: float,
+    last: float,
+    step: float,
+    slow: float,
+) -> tuple[int, float, float, float, float]:
     """Advance a row from one sample to the next; returns mode (0 rides, +1 and -1 slide), u, z, and
     losses by friction and hits.
     """
@@ -134,7 +150,7 @@ def _across(
         a = first + rate * t
         thrown = False
         if mode == 0:
-            if a < -band and u < play:
+            if a < -band and u < clearance:
                 mode = 1
             elif a > band and u > 0.0:
                 mode = -1
@@ -142,7 +158,7 @@ def _across(
                 # The linear acceleration reaches the threshold within the interval: the row starts
                 # to slide then.
                 wait = math.inf
-                if last < -band and a >= -band and u < play:
+                if last < -band and a >= -band and u < clearance:
                     wait, mode = (-band - a) / rate, 1
                 elif last > band and a <= band and u > 0.0:
                     wait, mode = (band - a) / rate, -1
@@ -160,7 +176,7 @@ def _across(
         speed = max(s * z, 0.0)
         stop = _stop(speed, pull, jerk, left)
         end = min(stop, left)
-        gap = play - u if mode == 1 else u
+        gap = clearance - u if mode == 1 else u
         way = ((jerk / 6.0 * end + 0.5 * pull) * end + speed) * end
         if way >= gap and (speed > 0.0 or end > 0.0):
             end = _hit(gap, speed, pull, jerk, end)
@@ -171,7 +187,7 @@ def _across(
             # Friction acts over the whole distance to the wall.
             rubbed += band * gap
             struck += 0.5 * (closing * closing - back * back)
-            u = play if mode == 1 else 0.0
+            u = clearance if mode == 1 else 0.0
             t += end
             z = -s * back
             mode = -mode if back > 0.0 else 0

@@ -14,7 +14,22 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rig.kernels.rows.tiles import BAND, CHUNK, FIELDS, GIVEN, HI, LO, PLAY, SLEEPS, P, U, W, at, clear, total
+from rig.kernels.rows.tiles import (
+    BAND,
+    CHUNK,
+    CLEARANCE,
+    FIELDS,
+    GIVEN,
+    HI,
+    LO,
+    SLEEPS,
+    P,
+    U,
+    W,
+    at,
+    clear,
+    total,
+)
 from rig.kernels.waveform import Array, Ints
 
 LEAST_ROWS = np.uint64(128)
@@ -54,7 +69,13 @@ def population(tiles: Array, rows: np.uint64) -> Population:
     """Return the population of all rows, none of them asleep."""
     sleep = np.zeros(6)
     sleep[SLACK] = 0.0 if rows >= LEAST_ROWS else math.inf
-    return Population(tiles, np.zeros(tiles.shape[0]), np.empty(rows + np.uint64(1), np.int64), sleep, np.empty(CHUNK))
+    return Population(
+        tiles,
+        np.zeros(tiles.shape[0]),
+        np.empty(rows + np.uint64(1), np.int64),
+        sleep,
+        np.empty(CHUNK),
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -77,7 +98,9 @@ def sleep_again(
 
 
 @njit(cache=True, nogil=True)
-def fall_asleep(place: float, speed: float, ahead: float, pull: float, rows: np.uint64, of: Population) -> np.uint64:
+def fall_asleep(
+    place: float, speed: float, ahead: float, pull: float, rows: np.uint64, of: Population
+) -> np.uint64:
     """Start a sleep of `ahead` (s) with the box at `place` (m) and `speed` (m/s). Returns the
     number of rows awake.
 
@@ -95,10 +118,14 @@ def fall_asleep(place: float, speed: float, ahead: float, pull: float, rows: np.
             z, band, u = speed - tiles[i + W], tiles[i + BAND], tiles[i + U]
             # Worst case over the whole sleep: friction, gravity and box all act against the slip.
             change = (band + abs(pull)) * ahead + slack
-            gap = min(u, tiles[i + PLAY] - u)
+            gap = min(u, tiles[i + CLEARANCE] - u)
             # Still sliding the same way at the end, not at a wall on the way, and not leaning on
             # one (infinite limit).
-            free = (abs(z) > change) & (gap > (abs(z) + change) * ahead) & (tiles[i + HI] - tiles[i + LO] < math.inf)
+            free = (
+                (abs(z) > change)
+                & (gap > (abs(z) + change) * ahead)
+                & (tiles[i + HI] - tiles[i + LO] < math.inf)
+            )
             # Friction on the row in the direction of the slip z of the box relative to it.
             given = band if z > 0.0 else -band
             given = given if free else 0.0
@@ -122,12 +149,14 @@ def _gather(tiles: Array, rows: np.uint64, awake: Array, places: Ints) -> np.uin
         i, to = np.uint64(places[k]), at(np.uint64(k))
         awake[to + W], awake[to + U], awake[to + P] = tiles[i + W], tiles[i + U], tiles[i + P]
         awake[to + LO], awake[to + HI] = tiles[i + LO], tiles[i + HI]
-        awake[to + BAND], awake[to + PLAY] = tiles[i + BAND], tiles[i + PLAY]
+        awake[to + BAND], awake[to + CLEARANCE] = tiles[i + BAND], tiles[i + CLEARANCE]
     return count
 
 
 @njit(cache=True, nogil=True)
-def wake(place: float, latest: float, pull: float, rows: np.uint64, count: np.uint64, of: Population) -> float:
+def wake(
+    place: float, latest: float, pull: float, rows: np.uint64, count: np.uint64, of: Population
+) -> float:
     """End a sleep with the box at `place` and update all rows. Returns the heat of those that
     slept, per mass, J/kg.
 

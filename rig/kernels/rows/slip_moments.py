@@ -37,9 +37,17 @@ def slip_moments(rows: RowSet, P: Array, Q: Array) -> tuple[float, float, float]
 
 @njit(cache=True, nogil=True)
 def _slip_moments(
-    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, nodes: Array,
-    weights: Array, room: NDArray[np.void],
-) -> tuple[float, float, float]:  # fmt: skip
+    layer: Ints,
+    clearance: Array,
+    restitution: float,
+    band: Array,
+    tables: Array,
+    P: Array,
+    Q: Array,
+    nodes: Array,
+    weights: Array,
+    room: NDArray[np.void],
+) -> tuple[float, float, float]:
     tables, P, Q = borrowed(tables), borrowed(P), borrowed(Q)
     events = room[0]
     start_v = motion(0.0, P, Q)[1]
@@ -48,7 +56,7 @@ def _slip_moments(
         i = layer[r]
         mode, u, z = 0, 0.0, 0.0
         for n in range(SETTLE + AVERAGE):
-            after = cycle(mode, u, z, band[i], play[r], restitution, tables[i], P, Q, events)
+            after = cycle(mode, u, z, band[i], clearance[r], restitution, tables[i], P, Q, events)
             if after.events < 0:
                 break
             steady = after.mode == mode and abs(after.u - u) < SAME and abs(after.z - z) < SAME
@@ -74,7 +82,14 @@ def _slip_moments(
 
 @njit(cache=True, nogil=True)
 def _slide(
-    begin: float, end: float, w: float, slope: float, P: Array, Q: Array, nodes: Array, weights: Array
+    begin: float,
+    end: float,
+    w: float,
+    slope: float,
+    P: Array,
+    Q: Array,
+    nodes: Array,
+    weights: Array,
 ) -> tuple[float, float, float]:
     """Return the integrals of z^2 and |z|^3 over a slide, and its largest |z|: z = w - slope (phase
     - begin) - v_box.

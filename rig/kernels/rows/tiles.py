@@ -15,15 +15,15 @@ from rig.kernels.waveform import Array
 
 CHUNK = np.uint64(64)
 FIELDS = np.uint64(9)
-W, U, P, LO, HI, BAND, PLAY, SLEEPS, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
+W, U, P, LO, HI, BAND, CLEARANCE, SLEEPS, GIVEN = (CHUNK * np.uint64(k) for k in range(9))
 """Offsets of the fields in a tile: velocity, position relative to the wall at 0, latest impulse per
-mass, lower and upper limit of the acceleration by the box, friction, free play; whether a row
+mass, lower and upper limit of the acceleration by the box, friction, clearance; whether a row
 sleeps (1 or 0), and the friction on it if so.
 """
 
 
 @njit(cache=True, nogil=True)
-def to_tiles(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array) -> Array:
+def to_tiles(w: Array, u: Array, lo: Array, hi: Array, band: Array, clearance: Array) -> Array:
     """Return rows as flat tiles; impulses and unused places of the last tile are 0."""
     rows = np.uint64(w.shape[0])
     # Rounded up to whole tiles; unused places stay 0 and contribute nothing to sums.
@@ -31,7 +31,7 @@ def to_tiles(w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array)
     for k in range(rows):
         i = at(np.uint64(k))
         tiles[i + W], tiles[i + U], tiles[i + LO], tiles[i + HI] = w[k], u[k], lo[k], hi[k]
-        tiles[i + BAND], tiles[i + PLAY] = band[k], play[k]
+        tiles[i + BAND], tiles[i + CLEARANCE] = band[k], clearance[k]
     return tiles
 
 

@@ -39,9 +39,16 @@ def transient(rows: RowSet, P: Array, Q: Array, cycles: int) -> Transient:
 
 @njit(cache=True, nogil=True)
 def _transient(
-    layer: Ints, play: Array, restitution: float, band: Array, tables: Array, P: Array, Q: Array, cycles: int,
+    layer: Ints,
+    clearance: Array,
+    restitution: float,
+    band: Array,
+    tables: Array,
+    P: Array,
+    Q: Array,
+    cycles: int,
     room: NDArray[np.void],
-) -> tuple[Array, Ints, Array, Array, int]:  # fmt: skip
+) -> tuple[Array, Ints, Array, Array, int]:
     count = layer.shape[0]
     energy, period = np.zeros(count), np.zeros(count, np.int64)
     total, loose = np.zeros(cycles), np.zeros(cycles)
@@ -63,7 +70,7 @@ def _transient(
                 break
             k = n % HISTORY
             history[k, 0], history[k, 1], history[k, 2] = mode, u, z
-            after = cycle(mode, u, z, band[i], play[r], restitution, table, P, Q, events)
+            after = cycle(mode, u, z, band[i], clearance[r], restitution, table, P, Q, events)
             mode, u, z = after.mode, after.u, after.z
             if after.events < 0:
                 last, back = n, -1

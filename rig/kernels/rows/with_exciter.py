@@ -32,7 +32,20 @@ from rig.kernels.waveform import Array
 XA, VA, XB, VB, X, V, I = range(7)  # noqa: E741
 STATES = 7
 
-GAUGE, ELECTRIC, COPPER, FLEXURE, STINGER, ISOLATION, COIL, SQUARE, AIR, GUIDE, FRICTION, COLLISION = range(12)
+(
+    GAUGE,
+    ELECTRIC,
+    COPPER,
+    FLEXURE,
+    STINGER,
+    ISOLATION,
+    COIL,
+    SQUARE,
+    AIR,
+    GUIDE,
+    FRICTION,
+    COLLISION,
+) = range(12)
 MOST_VOLTAGE, MOST_CURRENT, MOST_TRAVEL, MOST_PULL, MOST_PUSH = range(12, 17)
 ACCOUNTS = 17
 """Sums over a stretch: work through the gauge plane, from the amplifier, in copper, flexure,
@@ -111,7 +124,9 @@ def _rates(y: Array, on: Machine, force: float) -> tuple[float, float, float]:
 @njit(cache=True, nogil=True, inline="always")
 def _voltage(y: Array, i_rate: float, on: Machine) -> float:
     """Return the coil voltage for a current that changes at `i_rate`: e = R i + L i' + BL r'."""
-    voltage: float = on.resistance * y[I] + on.inductance * i_rate + on.force_constant * (y[VA] - y[VB])
+    voltage: float = (
+        on.resistance * y[I] + on.inductance * i_rate + on.force_constant * (y[VA] - y[VB])
+    )
     return voltage
 
 
@@ -128,7 +143,9 @@ def _add_powers(y: Array, weight: float, on: Machine, accounts: Array) -> None:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _add_rates(y: Array, force: float, i_rate: float, weight: float, on: Machine, accounts: Array) -> None:
+def _add_rates(
+    y: Array, force: float, i_rate: float, weight: float, on: Machine, accounts: Array
+) -> None:
     """Add the rates of change of these powers, times `weight`; `i_rate` is that of the current, for
     the coil power.
     """
@@ -146,9 +163,17 @@ def _add_rates(y: Array, force: float, i_rate: float, weight: float, on: Machine
 
 @njit(cache=True, nogil=True)
 def _free(
-    y: Array, steps: int, k0: int, feed: Feed, command: Array, phi: Array, now: Array, following: Array, on: Machine,
+    y: Array,
+    steps: int,
+    k0: int,
+    feed: Feed,
+    command: Array,
+    phi: Array,
+    now: Array,
+    following: Array,
+    on: Machine,
     path: Array,
-) -> None:  # fmt: skip
+) -> None:
     """Fill `path` with the states at the edges of a step without any force on the box."""
     kind = 1 if feed.by_current else 0
     stuck = not math.isnan(feed.limit)
@@ -170,7 +195,9 @@ def _free(
 
 
 @njit(cache=True, nogil=True)
-def _within(path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Machine) -> tuple[int, Feed]:
+def _within(
+    path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Machine
+) -> tuple[int, Feed]:
     """Return the edge of a step at which the amplifier reaches or leaves a limit (else `steps`),
     and its drive from there on.
     """
@@ -197,7 +224,14 @@ def _within(path: Array, steps: int, k0: int, feed: Feed, command: Array, on: Ma
 
 @njit(cache=True, nogil=True)
 def _account(
-    path: Array, stop: int, k0: int, force: float, feed: Feed, command: Array, on: Machine, accounts: Array
+    path: Array,
+    stop: int,
+    k0: int,
+    force: float,
+    feed: Feed,
+    command: Array,
+    on: Machine,
+    accounts: Array,
 ) -> None:
     """Add the accounts of a step by the trapezoid rule with end correction, h^2/12 times the jump
     of the derivative.
@@ -217,7 +251,9 @@ def _account(
         end_rate = (e_end - _voltage(end, 0.0, on)) / on.inductance
         accounts[ELECTRIC] += h * h / 12.0 * (e * start_rate - e_end * end_rate)
         # End correction of R i^2: its derivative is 2 R i i'.
-        accounts[COPPER] += h * h / 6.0 * on.resistance * (path[0, I] * start_rate - end[I] * end_rate)
+        accounts[COPPER] += (
+            h * h / 6.0 * on.resistance * (path[0, I] * start_rate - end[I] * end_rate)
+        )
     _add_rates(path[0], force, start_rate, h * h / 12.0, on, accounts)
     _add_rates(end, force, end_rate, -h * h / 12.0, on, accounts)
     for k in range(stop):
@@ -238,7 +274,9 @@ def _account(
             e = feed.limit if stuck else command[k0 + k]
             e_end = feed.limit if stuck else command[k0 + k + 1]
             accounts[COPPER] += 0.5 * h * on.resistance * (i * i + i_end * i_end)
-            accounts[ELECTRIC] += 0.5 * h * (e * i + e_end * i_end) + h / 12.0 * (e_end - e) * (i - i_end)
+            accounts[ELECTRIC] += 0.5 * h * (e * i + e_end * i_end) + h / 12.0 * (e_end - e) * (
+                i - i_end
+            )
         pull = on.stinger * (z[XA] - z[X]) + on.stinger_damping * (z[VA] - z[V])
         accounts[MOST_VOLTAGE] = max(accounts[MOST_VOLTAGE], abs(e_end))
         accounts[MOST_CURRENT] = max(accounts[MOST_CURRENT], abs(i_end))
@@ -255,7 +293,14 @@ def _account(
 
 @njit(cache=True, nogil=True)
 def _tell(
-    path: Array, stop: int, k0: int, impulse: float, feed: Feed, command: Array, on: Machine, signals: Array
+    path: Array,
+    stop: int,
+    k0: int,
+    impulse: float,
+    feed: Feed,
+    command: Array,
+    on: Machine,
+    signals: Array,
 ) -> None:
     """Fill the signals of the intervals of a step; `impulse` is that of the box on everything but
     the stinger, per interval.
@@ -269,7 +314,9 @@ def _tell(
             flow = 0.5 * h * (y[I] + z[I])
             pressure = on.resistance * flow + on.inductance * (z[I] - y[I]) + swing
         else:
-            pressure = h * feed.limit if stuck else 0.5 * h * (command[k0 + k] + command[k0 + k + 1])
+            pressure = (
+                h * feed.limit if stuck else 0.5 * h * (command[k0 + k] + command[k0 + k + 1])
+            )
             # Integral of the voltage equation over the interval: exact, no quadrature of the
             # current.
             flow = (pressure - on.inductance * (z[I] - y[I]) - swing) / on.resistance
@@ -297,29 +344,53 @@ def _foreseen(path: Array, steps: int, force: float, thrust: Array, moved: Array
 
 @njit(cache=True, nogil=True)
 def stretch(
-    on: Machine, around: Pull, feed: Feed, phi: Array, now: Array, following: Array, thrust: Array, command: Array,
-    y: Array, w: Array, u: Array, lo: Array, hi: Array, band: Array, play: Array,
-) -> tuple[Feed, Array, Array]:  # fmt: skip
+    on: Machine,
+    around: Pull,
+    feed: Feed,
+    phi: Array,
+    now: Array,
+    following: Array,
+    thrust: Array,
+    command: Array,
+    y: Array,
+    w: Array,
+    u: Array,
+    lo: Array,
+    hi: Array,
+    band: Array,
+    clearance: Array,
+) -> tuple[Feed, Array, Array]:
     """Advance exciter, box (`y`) and rows (`w`, `u`, `lo`, `hi`), in place, along the edges of a
     command.
 
     Returns (drive of the amplifier at the end; signals, shape (intervals + 1, SIGNALS); accounts).
     """
-    longest, intervals, many, h = thrust.shape[1] - 1, command.shape[0] - 1, np.uint64(w.shape[0]), on.interval
+    longest, intervals, many, h = (
+        thrust.shape[1] - 1,
+        command.shape[0] - 1,
+        np.uint64(w.shape[0]),
+        on.interval,
+    )
     path, moved = np.empty((longest + 1, STATES)), np.empty(longest + 1)
     signals, accounts = np.zeros((intervals + 1, SIGNALS)), np.zeros(ACCOUNTS)
     grouped, lanes, who = (
-        population(to_tiles(w, u, lo, hi, band, play), many),
+        population(to_tiles(w, u, lo, hi, band, clearance), many),
         np.empty((3, CHUNK)),
         np.empty(many, np.int64),
     )
-    tiles, sleep, tally = grouped.awake, grouped.sleep, np.ones((2, many // CHUNK + np.uint64(1)), np.int64)
+    tiles, sleep, tally = (
+        grouped.awake,
+        grouped.sleep,
+        np.ones((2, many // CHUNK + np.uint64(1)), np.int64),
+    )
     ahead = SPAN * longest * h if many >= LEAST_ROWS else math.inf
     rows = fall_asleep(y[X], y[V], ahead, around.pull, many, grouped)
     k0, force, per_time = 0, 0.0, 1.0
     while k0 < intervals:
         if sleep[SINCE] + longest * h > ahead * (1.0 + 1e-9) or sleep[FARTHEST] > sleep[SLACK]:
-            rows, heat = sleep_again(y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, grouped)
+            rows, heat = sleep_again(
+                y[X], y[V], 1.0 / per_time, ahead, around.pull, many, rows, grouped
+            )
             accounts[FRICTION] += around.row_mass * heat
             tally[:] = 1
         steps, kind = min(longest, intervals - k0), 1 if feed.by_current else 0
@@ -327,7 +398,9 @@ def stretch(
         # Predict with the force of the previous step: it only selects the rows that may hit, not
         # their motion.
         depth = _foreseen(path, steps, force, thrust[kind], moved) * steps * h
-        count, first = next_walls(h, steps, around.pull, per_time, moved, depth, tiles, rows, who, lanes[0])
+        count, first = next_walls(
+            h, steps, around.pull, per_time, moved, depth, tiles, rows, who, lanes[0]
+        )
         if count:
             steps = min(int(first) + WINDOW, steps)
         time, steady = steps * h, around.row_mass * sleep[FORCE]
@@ -368,6 +441,8 @@ def stretch(
             accounts[COLLISION] += lost
             y[V] = behind
         k0, feed = k0 + stop, after
-    accounts[FRICTION] += around.row_mass * wake(y[X], 1.0 / per_time, around.pull, many, rows, grouped)
+    accounts[FRICTION] += around.row_mass * wake(
+        y[X], 1.0 / per_time, around.pull, many, rows, grouped
+    )
     from_tiles(grouped.all_rows, w, u, lo, hi)
     return feed, signals, accounts

@@ -97,7 +97,15 @@ def drift(
 
 @njit(cache=True, nogil=True, inline="always")
 def reach(
-    lo: float, hi: float, guess: float, wall: float, sense: float, u0: float, a0: float, S: Array, C: Array
+    lo: float,
+    hi: float,
+    guess: float,
+    wall: float,
+    sense: float,
+    u0: float,
+    a0: float,
+    S: Array,
+    C: Array,
 ) -> tuple[float, float, float, int]:
     """Return the time at which the displacement reaches `wall`, moving up (sense 1) or down (-1);
     velocity and acceleration then; steps.

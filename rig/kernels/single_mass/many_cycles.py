@@ -10,10 +10,29 @@ import numpy as np
 from numba import njit
 
 from rig.kernels.borrowed import borrowed
-from rig.kernels.single_mass.one_cycle import MAX_EVENTS, Events, State, World, cycle, no_events, world
+from rig.kernels.single_mass.one_cycle import (
+    MAX_EVENTS,
+    Events,
+    State,
+    World,
+    cycle,
+    no_events,
+    world,
+)
 from rig.kernels.waveform import TWO_PI, Array, Ints
 
-__all__ = ["MAX_EVENTS", "MassCycles", "MeanCycle", "State", "World", "follow", "no_events", "run", "steady", "world"]
+__all__ = [
+    "MAX_EVENTS",
+    "MassCycles",
+    "MeanCycle",
+    "State",
+    "World",
+    "follow",
+    "no_events",
+    "run",
+    "steady",
+    "world",
+]
 
 LOOK_BACK = 512
 """Longest period that is looked for, in cycles of the drive."""
@@ -52,11 +71,29 @@ def run(start: State, world: World, table: Array, P: Array, Q: Array, cycles: in
 
 @njit(cache=True, nogil=True)
 def _run(
-    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, cycles: int
+    mode: int,
+    q: float,
+    u: float,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    events: Events,
+    cycles: int,
 ) -> tuple[Array, Array, Ints]:
-    state, energy, count = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+    state, energy, count = (
+        np.zeros((cycles, 3)),
+        np.zeros((cycles, 4)),
+        np.zeros((cycles, 3), np.int64),
+    )
     harmonics = np.empty((2, P.shape[0]))
-    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    table, P, Q, S, C = (
+        borrowed(table),
+        borrowed(P),
+        borrowed(Q),
+        borrowed(harmonics[0]),
+        borrowed(harmonics[1]),
+    )
     v = table[0, 2]
     for k in range(cycles):
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
@@ -118,9 +155,15 @@ def _recurrence(history: Array, now: int, mode: int, q: float, u: float, walls: 
 
 
 def steady(
-    start: State, world: World, table: Array, P: Array, Q: Array, settle: int = SETTLE, average: int = AVERAGE,
+    start: State,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    settle: int = SETTLE,
+    average: int = AVERAGE,
     window: tuple[int, int] = (0, 0),
-) -> MeanCycle:  # fmt: skip
+) -> MeanCycle:
     """Return the mean losses per cycle of a mass that starts at phase 0.
 
     The mean is over its period as soon as its state recurs within `LOOK_BACK` cycles; if it never
@@ -132,11 +175,27 @@ def steady(
 
 @njit(cache=True, nogil=True)
 def _steady(
-    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, events: Events, settle: int,
-    average: int, first: int, last: int,
-) -> tuple[float, float, int, bool, bool, float, float]:  # fmt: skip
+    mode: int,
+    q: float,
+    u: float,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    events: Events,
+    settle: int,
+    average: int,
+    first: int,
+    last: int,
+) -> tuple[float, float, int, bool, bool, float, float]:
     harmonics = np.empty((2, P.shape[0]))
-    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    table, P, Q, S, C = (
+        borrowed(table),
+        borrowed(P),
+        borrowed(Q),
+        borrowed(harmonics[0]),
+        borrowed(harmonics[1]),
+    )
     # Columns: mode, q, u at the start of the cycle; friction, collision, hits of the upper wall,
     # events in it.
     history = np.zeros((LOOK_BACK, 7))
@@ -155,14 +214,27 @@ def _steady(
             for m in range(max(n, first), last):
                 line = history[(n - back + (m - n) % back) % LOOK_BACK]
                 seen += line[3] + line[4]
-            return lost[0], lost[1], back, lost[2] > 0.0, mode != 0 or lost[3] > 0.0, 0.0, seen / wanted
+            return (
+                lost[0],
+                lost[1],
+                back,
+                lost[2] > 0.0,
+                mode != 0 or lost[3] > 0.0,
+                0.0,
+                seen / wanted,
+            )
         after = cycle(mode, q, u, world, table, P, Q, S, C, events)
         spent += after.events
         if after.events < 0 or spent > MOST_IN_ALL:
             return friction, collision, -1, lid, True, 0.0, 0.0
         line = history[n % LOOK_BACK]
         line[0], line[1], line[2] = mode, q, u
-        line[3], line[4], line[5], line[6] = after.friction, after.collision, after.high, after.events
+        line[3], line[4], line[5], line[6] = (
+            after.friction,
+            after.collision,
+            after.high,
+            after.events,
+        )
         mode, q, u = after.mode, after.q, after.u
         if first <= n < last:
             seen += after.friction + after.collision
@@ -171,7 +243,9 @@ def _steady(
             collision += after.collision / average
             lid = lid or after.high > 0
             moves = moves or mode != 0 or after.events > 0
-            batches[(n - settle) * BATCHES // average] += (after.friction + after.collision) * BATCHES / average
+            batches[(n - settle) * BATCHES // average] += (
+                (after.friction + after.collision) * BATCHES / average
+            )
     # Beyond the simulated cycles the mean is the best estimate.
     seen += max(last - max(settle + average, first), 0) * (friction + collision)
     # Batch means: the scatter of nearly independent parts gives the error of a correlated series.
@@ -180,9 +254,18 @@ def _steady(
 
 
 def follow(
-    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, start: State, world: World,
-    table: Array, P: Array, Q: Array, events: Events,
-) -> tuple[Array, MassCycles]:  # fmt: skip
+    first_cycle: int,
+    cycles: int,
+    per_cycle: float,
+    velocity: Array,
+    scale: float,
+    start: State,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    events: Events,
+) -> tuple[Array, MassCycles]:
     """Advance a mass through cycles of a sampling grid. Returns its momentum, times `scale`, at the
     edges, and the cycles.
 
@@ -197,12 +280,36 @@ def follow(
 
 @njit(cache=True, nogil=True)
 def _follow(
-    first_cycle: int, cycles: int, per_cycle: float, velocity: Array, scale: float, mode: int, q: float, u: float,
-    world: World, table: Array, P: Array, Q: Array, events: Events, phase: Array, modes: Ints, w: Array,
-) -> tuple[Array, Array, Array, Ints]:  # fmt: skip
-    state, energy, counts = np.zeros((cycles, 3)), np.zeros((cycles, 4)), np.zeros((cycles, 3), np.int64)
+    first_cycle: int,
+    cycles: int,
+    per_cycle: float,
+    velocity: Array,
+    scale: float,
+    mode: int,
+    q: float,
+    u: float,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    events: Events,
+    phase: Array,
+    modes: Ints,
+    w: Array,
+) -> tuple[Array, Array, Array, Ints]:
+    state, energy, counts = (
+        np.zeros((cycles, 3)),
+        np.zeros((cycles, 4)),
+        np.zeros((cycles, 3), np.int64),
+    )
     harmonics = np.empty((2, P.shape[0]))
-    table, P, Q, S, C = borrowed(table), borrowed(P), borrowed(Q), borrowed(harmonics[0]), borrowed(harmonics[1])
+    table, P, Q, S, C = (
+        borrowed(table),
+        borrowed(P),
+        borrowed(Q),
+        borrowed(harmonics[0]),
+        borrowed(harmonics[1]),
+    )
     momentum = np.empty(velocity.shape[0])
     v = table[0, 2]
     origin = math.ceil(first_cycle * per_cycle)
@@ -219,12 +326,18 @@ def _follow(
         offset = (first_cycle + k) * per_cycle
         e, last = math.ceil(offset), math.ceil((first_cycle + k + 1) * per_cycle)
         for n in range(after.events + 1):
-            end = min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last) if n < after.events else last
+            end = (
+                min(math.ceil(offset + phase[n] * per_cycle / TWO_PI), last)
+                if n < after.events
+                else last
+            )
             # Between events the laboratory velocity changes uniformly by weight and friction.
             slope = -(world.weight + before * world.band)
             for j in range(e, end):
                 now = TWO_PI * (j - offset) / per_cycle
-                momentum[j - origin] = scale * (velocity[j - origin] if before == 0 else speed + slope * (now - since))
+                momentum[j - origin] = scale * (
+                    velocity[j - origin] if before == 0 else speed + slope * (now - since)
+                )
             e = max(e, end)
             if n < after.events:
                 before, since, speed = modes[n], phase[n], w[n]

@@ -173,9 +173,22 @@ def _dies_out(back: float, largest: float, push: float, world: World) -> bool:
 
 @njit(cache=True, nogil=True, inline="always")
 def _next(
-    t1: float, d1: float, u1: float, t2: float, d2: float, u2: float, rises: bool, low: float, high: float,
-    mode: int, rough: bool, u0: float, a0: float, S: Array, C: Array,
-) -> tuple[int, float, float, float, float, int]:  # fmt: skip
+    t1: float,
+    d1: float,
+    u1: float,
+    t2: float,
+    d2: float,
+    u2: float,
+    rises: bool,
+    low: float,
+    high: float,
+    mode: int,
+    rough: bool,
+    u0: float,
+    a0: float,
+    S: Array,
+    C: Array,
+) -> tuple[int, float, float, float, float, int]:
     """Find the first event of the piece (t1, t2] of a stretch.
 
     low, high : displacements at which the walls stand. The relative velocity rises (`rises`) or
@@ -186,7 +199,14 @@ def _next(
     """
     sense = 1.0 if rises else -1.0
     if rough and sense * mode < 0.0 and sense * u1 >= 0.0:
-        return STOP, t1, d1, 0.0, 0.0, 0  # thrown for less than round-off: friction would drive it the other way
+        return (
+            STOP,
+            t1,
+            d1,
+            0.0,
+            0.0,
+            0,
+        )  # thrown for less than round-off: friction would drive it the other way
     before, ahead = (low, high) if rises else (high, low)
     roots = 0
     # The mass first moves against the sense of the acceleration: it may hit the wall behind, or
@@ -219,7 +239,16 @@ def _next(
 
 @njit(cache=True, nogil=True)
 def cycle(
-    mode: int, q: float, u: float, world: World, table: Array, P: Array, Q: Array, S: Array, C: Array, events: Events
+    mode: int,
+    q: float,
+    u: float,
+    world: World,
+    table: Array,
+    P: Array,
+    Q: Array,
+    S: Array,
+    C: Array,
+    events: Events,
 ) -> MassCycle:
     """Advance a mass by one cycle of the drive; its events are written to `events`. S, C : work
     space for the harmonics.
@@ -241,7 +270,12 @@ def cycle(
             mode = _thrown(region, q, world)
             a0 = -at(theta, P, Q, S, C)[2] - weight - mode * band if mode != 0 else 0.0
             while mode == 0 and theta < TWO_PI:
-                theta, x, v, region = table[line, 0], table[line, 1], table[line, 2], int(table[line, 3])
+                theta, x, v, region = (
+                    table[line, 0],
+                    table[line, 1],
+                    table[line, 2],
+                    int(table[line, 3]),
+                )
                 if line < last:
                     line += 1
                     mode = _thrown(region, q, world)
@@ -286,7 +320,11 @@ def cycle(
             return MassCycle(mode, q, u, n, roots, high, work, friction, collision)
         theta = min(start + t, table[line, 0])
         x, v = x + (v + u - 0.5 * pull * t) * t - d, v + u - pull * t - slip
-        q, u, slid = min(max(q + d, world.lower), world.upper), 0.0, mode * band  # not behind a wall by round-off
+        q, u, slid = (
+            min(max(q + d, world.lower), world.upper),
+            0.0,
+            mode * band,
+        )  # not behind a wall by round-off
         closing, back, sense = 0.0, 0.0, 0.0
         if kind != STOP:
             sense = 1.0 if kind == HIGH else -1.0

@@ -53,7 +53,11 @@ def local_axes(normal: ArrayLike) -> Array:
 
 
 def matrices(
-    mass1: ArrayLike, mass2: ArrayLike, restitution: ArrayLike, lambda1: ArrayLike, lambda2: ArrayLike
+    mass1: ArrayLike,
+    mass2: ArrayLike,
+    restitution: ArrayLike,
+    lambda1: ArrayLike,
+    lambda2: ArrayLike,
 ) -> tuple[Array, Array]:
     """Return A and B of eq 11 as printed, shape (pairs, 6, 6): V = A^-1 B v in local coordinates
     (l, m, n of 1, then of 2).
@@ -110,7 +114,9 @@ def kinetic_energy(mass1: ArrayLike, mass2: ArrayLike, velocities: ArrayLike) ->
     """Return the kinetic energy of the pair in local coordinates, J, shape (pairs,)."""
     v = np.asarray(velocities, dtype=np.float64)
     m1, m2 = np.asarray(mass1, dtype=np.float64), np.asarray(mass2, dtype=np.float64)
-    return np.asarray(0.5 * (m1 * np.sum(v[..., :3] ** 2, axis=-1) + m2 * np.sum(v[..., 3:] ** 2, axis=-1)))
+    return np.asarray(
+        0.5 * (m1 * np.sum(v[..., :3] ** 2, axis=-1) + m2 * np.sum(v[..., 3:] ** 2, axis=-1))
+    )
 
 
 def moved(position: float, before: float, after: float, step: float) -> float:
@@ -127,7 +133,9 @@ def compression_slip(slip: float, normal_velocity: float, friction: float) -> fl
     return slip - friction * normal_velocity
 
 
-def slip_after(slip: float, normal_velocity_after: float, friction: float, restitution: float) -> float:
+def slip_after(
+    slip: float, normal_velocity_after: float, friction: float, restitution: float
+) -> float:
     """Return eq 18, m/s; `slip` replaces the unknown on its right side: from eq 14 corrected, or
     from before the hit.
 
@@ -136,7 +144,9 @@ def slip_after(slip: float, normal_velocity_after: float, friction: float, resti
     return slip - friction * (1.0 + restitution) * normal_velocity_after
 
 
-def wall_restitution(wall_before: float, wall_after: float, grain_before: float, grain_after: float) -> float:
+def wall_restitution(
+    wall_before: float, wall_after: float, grain_before: float, grain_after: float
+) -> float:
     """Return eq 17 with its capital letters in numerator and denominator: -1 for any velocities.
 
     V1l, V2l are after the hit; the velocities before it do not enter. Corrected:

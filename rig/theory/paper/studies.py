@@ -13,7 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from rig.theory.chain import chain_collision, chain_velocities, first_grain_velocity, first_wave_loss, wall_loss
+from rig.theory.chain import (
+    chain_collision,
+    chain_velocities,
+    first_grain_velocity,
+    first_wave_loss,
+    wall_loss,
+)
 from rig.theory.friction import janssen_length, janssen_stress
 from rig.theory.paper.errata import Array, errata
 from rig.theory.paper.sentences import (
@@ -73,7 +79,10 @@ def friction_study() -> Study:
     }
     height = CAVITY[2]
     below_lid = np.linspace(0.0, height, 81)
-    filled = [(f"{w:g}", _stress(np.maximum(0.0, below_lid - (1.0 - w) * height), *CAVITY[:2])) for w in FILLS]
+    filled = [
+        (f"{w:g}", _stress(np.maximum(0.0, below_lid - (1.0 - w) * height), *CAVITY[:2]))
+        for w in FILLS
+    ]
     legend = "L1/L2"
     stress = {"label": "vertical stress", "unit": "Pa"}
     panels = [
@@ -84,7 +93,11 @@ def friction_study() -> Study:
         _panel("fig6_fill", "Fig. 6", "Stress over depth below the lid, tested box",
                ("depth below the lid", "m", below_lid), stress, "fill", filled, []),
     ]  # fmt: skip
-    return {"study": "friction", "panels": panels, "rows": [asdict(row) for row in friction_claims()]}
+    return {
+        "study": "friction",
+        "panels": panels,
+        "rows": [asdict(row) for row in friction_claims()],
+    }
 
 
 def collision_study() -> Study:
@@ -104,25 +117,72 @@ def collision_study() -> Study:
     e_axis = np.linspace(0.0, 1.0, 101)
     lengths = (2, 7, FILE, 85)
     given = [(str(n), _over_restitution(e_axis, n, lambda _: 1.0)) for n in lengths]
-    driven = [(str(n), _over_restitution(e_axis, n, lambda e: first_grain_velocity(1.0, e))) for n in lengths]
+    driven = [
+        (str(n), _over_restitution(e_axis, n, lambda e: first_grain_velocity(1.0, e)))
+        for n in lengths
+    ]
     coarse = np.linspace(0.5, 1.0, 51)
     whole = [(str(n), np.array([_whole_loss(n, float(e)) for e in coarse])) for n in (2, 7, FILE)]
     restitution = ("restitution e", "", e_axis)
     share = {"label": "loss of the first wave", "unit": "m v1²"}
     share_driven = {"label": "loss of the first wave", "unit": "m V²"}
     panels = [
-        _panel("fig7_velocity", "Fig. 7", "Velocity along the chain, first wave",
-               ("grain", "", number), {"label": "v_n/v_1", "unit": ""}, "e", decay, [quoted]),
-        _panel("fig8_energy", "Fig. 8", f"First wave and wall hit, {FILE} layers of {LAYER_MASS:.2f} kg, e0 = e",
-               ("velocity of the wall", "m/s", speed), {"label": "W_c, one wall", "unit": "J"}, "e", energy, []),
-        _panel("fig8_given_speed", "Fig. 8", "First wave, speed of the first grain given",
-               restitution, share, "grains", given, []),
-        _panel("fig8_driven", "Fig. 8", "First wave, struck by a wall of speed V, e0 = e",
-               restitution, share_driven, "grains", driven, []),
-        _panel("fig8_all_hits", "not in the paper", "All hits until separation, thrown onto a wall, e0 = 0.75",
-               ("restitution e", "", coarse), {"label": "share of the energy lost", "unit": ""}, "grains", whole, []),
-    ]  # fmt: skip
-    return {"study": "collision", "panels": panels, "rows": [asdict(row) for row in collision_claims()]}
+        _panel(
+            "fig7_velocity",
+            "Fig. 7",
+            "Velocity along the chain, first wave",
+            ("grain", "", number),
+            {"label": "v_n/v_1", "unit": ""},
+            "e",
+            decay,
+            [quoted],
+        ),
+        _panel(
+            "fig8_energy",
+            "Fig. 8",
+            f"First wave and wall hit, {FILE} layers of {LAYER_MASS:.2f} kg, e0 = e",
+            ("velocity of the wall", "m/s", speed),
+            {"label": "W_c, one wall", "unit": "J"},
+            "e",
+            energy,
+            [],
+        ),
+        _panel(
+            "fig8_given_speed",
+            "Fig. 8",
+            "First wave, speed of the first grain given",
+            restitution,
+            share,
+            "grains",
+            given,
+            [],
+        ),
+        _panel(
+            "fig8_driven",
+            "Fig. 8",
+            "First wave, struck by a wall of speed V, e0 = e",
+            restitution,
+            share_driven,
+            "grains",
+            driven,
+            [],
+        ),
+        _panel(
+            "fig8_all_hits",
+            "not in the paper",
+            "All hits until separation, thrown onto a wall, e0 = 0.75",
+            ("restitution e", "", coarse),
+            {"label": "share of the energy lost", "unit": ""},
+            "grains",
+            whole,
+            [],
+        ),
+    ]
+    return {
+        "study": "collision",
+        "panels": panels,
+        "rows": [asdict(row) for row in collision_claims()],
+    }
 
 
 def errata_study() -> Study:
@@ -156,7 +216,11 @@ def _whole_loss(grains: int, e: float) -> float:
     loses in all its hits.
     """
     after = chain_collision(
-        np.ones(grains), e, -1.0, restitution_wall=0.75, contact_time=0.0 if grains <= FOLLOWED else 1e-4
+        np.ones(grains),
+        e,
+        -1.0,
+        restitution_wall=0.75,
+        contact_time=0.0 if grains <= FOLLOWED else 1e-4,
     )
     return (after.loss + after.wall_loss) / (0.5 * grains)
 

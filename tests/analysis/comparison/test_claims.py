@@ -1,4 +1,6 @@
-"""Claims: what each test finds where the truth is known, how often it is wrong, and the entry of the report."""
+"""Claims: what each test finds where the truth is known, how often it is wrong, and the entry of
+the report.
+"""
 
 import numpy as np
 import pytest
@@ -36,18 +38,31 @@ def wrong(kind, question, draw, verdict, trials):
 
 
 def test_a_false_best_is_rare(trials):
-    """Value 1 is claimed; value 2 is better by nothing that can be told: the worst case for a false `holds`."""
+    """Value 1 is claimed; value 2 is better by nothing that can be told: the worst case for a false
+    `holds`.
+    """
     for means in ((0, 1, 1.001), (0.9, 1, 1.001, 0.9, 1.001), (1, 1, 1.001, 1, 1, 1)):
-        found = wrong("optimum", Question(("1",), (), 1), lambda rng, m=means: levels_of(rng, m), "holds", trials)
+        found = wrong(
+            "optimum",
+            Question(("1",), (), 1),
+            lambda rng, m=means: levels_of(rng, m),
+            "holds",
+            trials,
+        )
         assert found <= most(trials), means
 
 
 def test_a_true_best_is_rarely_denied(trials):
-    """Value 1 is best by a hair, in four cases: any of them may deny it, each at 5 % over their number."""
+    """Value 1 is best by a hair, in four cases: any of them may deny it, each at 5 % over their
+    number.
+    """
     question = Question(("1",), (), 4)
     rng = np.random.default_rng(2)
     denied = sum(
-        any(TESTS["optimum"](levels_of(rng, (1, 1.001, 1, 0)), question).verdict == "does not hold" for _ in range(4))
+        any(
+            TESTS["optimum"](levels_of(rng, (1, 1.001, 1, 0)), question).verdict == "does not hold"
+            for _ in range(4)
+        )
         for _ in range(trials // 2)
     )
     assert denied <= most(trials // 2)
@@ -55,11 +70,15 @@ def test_a_true_best_is_rarely_denied(trials):
 
 @pytest.mark.parametrize(("kind", "sign"), [("order", 1), ("rise", 1), ("fall", -1)])
 def test_a_false_order_is_rare(kind, sign, trials):
-    """One step is flat, the others are clear; and where every step is flat, the opposite is rarely found either."""
+    """One step is flat, the others are clear; and where every step is flat, the opposite is rarely
+    found either.
+    """
     question = Question(("0", "3"), (), 1)
     steps = sign * np.array([0, 1, 1, 2.0])
     assert wrong(kind, question, lambda rng: levels_of(rng, steps), "holds", trials) <= most(trials)
-    assert wrong(kind, question, lambda rng: levels_of(rng, [0, 0, 0, 0]), "does not hold", trials) <= most(trials)
+    assert wrong(
+        kind, question, lambda rng: levels_of(rng, [0, 0, 0, 0]), "does not hold", trials
+    ) <= most(trials)
 
 
 def power_law(rng, n):
@@ -72,9 +91,15 @@ def power_law(rng, n):
 
 def test_a_false_nonlinearity_is_rare(trials):
     question = Question((), (0.1,), 1)
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "holds", trials) <= most(trials)
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 1.9), "holds", trials) <= most(trials)
-    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "does not hold", trials) <= most(trials)
+    assert wrong("nonlinear", question, lambda rng: power_law(rng, 2.1), "holds", trials) <= most(
+        trials
+    )
+    assert wrong("nonlinear", question, lambda rng: power_law(rng, 1.9), "holds", trials) <= most(
+        trials
+    )
+    assert wrong(
+        "nonlinear", question, lambda rng: power_law(rng, 2.1), "does not hold", trials
+    ) <= most(trials)
 
 
 def test_a_false_zero_is_rare(trials):
@@ -94,7 +119,9 @@ def test_a_false_zero_is_rare(trials):
         ]
 
     for verdict in ("holds", "does not hold"):
-        assert wrong("nearly_zero", Question(("e", "f"), (0.02,), 1), draw, verdict, trials) <= most(trials)
+        assert wrong(
+            "nearly_zero", Question(("e", "f"), (0.02,), 1), draw, verdict, trials
+        ) <= most(trials)
 
 
 @pytest.mark.parametrize("offset", [0.055, 0.085])
@@ -104,11 +131,16 @@ def test_a_false_seven_per_cent_is_rare(offset, trials):
     def draw(rng, u=0.004):
         scale = 1 + u * rng.standard_normal()
         W_T = (1.0, 2.0, 3.0, 4.0)
-        made = [result(scale * w * (1 + offset) * (1 + 0.01 * rng.standard_normal(N)), W_T=w, scale=u) for w in W_T]
+        made = [
+            result(scale * w * (1 + offset) * (1 + 0.01 * rng.standard_normal(N)), W_T=w, scale=u)
+            for w in W_T
+        ]
         return [Level("", tuple(made))]
 
     for verdict in ("holds", "does not hold"):
-        assert wrong("offset_within", Question((), (0.055, 0.085), 1), draw, verdict, trials) <= most(trials)
+        assert wrong(
+            "offset_within", Question((), (0.055, 0.085), 1), draw, verdict, trials
+        ) <= most(trials)
 
 
 def test_clear_cases_are_told():
@@ -135,7 +167,9 @@ def test_what_is_not_seen_may_lose_and_never_wins():
     nothing = Level("0", (result([1e-3, -1e-3, 2e-3, -2e-3]),))
     full = [Level(str(i), (result(runs(rng, x)),)) for i, x in ((1, 1.0), (2, 2.0))]
     assert TESTS["rise"]([nothing, *full], Question(("0", "2"), (), 1)).verdict == "holds"
-    assert TESTS["fall"]([full[1], full[0], nothing], Question(("2", "0"), (), 1)).verdict == "holds"
+    assert (
+        TESTS["fall"]([full[1], full[0], nothing], Question(("2", "0"), (), 1)).verdict == "holds"
+    )
     assert TESTS["optimum"]([nothing, *full], Question(("2",), (), 1)).verdict == "holds"
     faint = [Level(str(i), (result(runs(rng, -20.0)),)) for i in (1, 2)]
     assert TESTS["fall"]([nothing, *faint], Question(("0", "2"), (), 1)).verdict == "undecided"
@@ -144,31 +178,51 @@ def test_what_is_not_seen_may_lose_and_never_wins():
 
 
 def test_a_scale_error_changes_no_verdict_and_no_number_of_the_order():
-    one, two = (levels_of(np.random.default_rng(5), np.log([1, 1.1, 1.3]) + shift) for shift in (0.0, 0.07))
+    one, two = (
+        levels_of(np.random.default_rng(5), np.log([1, 1.1, 1.3]) + shift) for shift in (0.0, 0.07)
+    )
     for kind in ("optimum", "rise", "fall"):
         question = Question(("0", "2"), (), 1)
         first, second = TESTS[kind](one, question), TESTS[kind](two, question)
-        assert (first.found, first.verdict, first.ties) == (second.found, second.verdict, second.ties)
+        assert (first.found, first.verdict, first.ties) == (
+            second.found,
+            second.verdict,
+            second.ties,
+        )
 
 
 def test_still_conditions_do_not_shrink_the_scatter():
-    """An empty box scatters 0.1 %: pooled with the beds it would make their ties look like differences."""
+    """An empty box scatters 0.1 %: pooled with the beds it would make their ties look like
+    differences.
+    """
     rng = np.random.default_rng(6)
     beds = levels_of(rng, (1.0, 1.0))
     empty = [Level(f"e{i}", (result(runs(rng, -3.0, 1e-3), still=True),)) for i in range(6)]
-    alone, together = (TESTS["optimum"](levels, Question(("0",), (), 1)).why for levels in (beds, [*beds, *empty]))
+    alone, together = (
+        TESTS["optimum"](levels, Question(("0",), (), 1)).why for levels in (beds, [*beds, *empty])
+    )
     scatter = [why.split("a run scatters by ")[1].split(";")[0] for why in (alone, together)]
     assert scatter[0] == scatter[1]
 
 
 def test_a_mean_over_another_field_takes_the_same_conditions_of_each_level():
     rng = np.random.default_rng(7)
-    results = {f"{k}{v}": result(runs(rng, m + k)) for v, m in (("a", 0.0), ("b", 0.08)) for k in range(8)}
+    results = {
+        f"{k}{v}": result(runs(rng, m + k)) for v, m in (("a", 0.0), ("b", 0.08)) for k in range(8)
+    }
     claim = entry("optimum", ["b"])
-    claim["cases"] = [{"at": {}, "levels": [{"value": v, "conditions": [f"{k}{v}" for k in range(8)]} for v in "ab"]}]
+    claim["cases"] = [
+        {
+            "at": {},
+            "levels": [{"value": v, "conditions": [f"{k}{v}" for k in range(8)]} for v in "ab"],
+        }
+    ]
     claim["over"] = "drive.acceleration"
     (found,) = judged([claim], results)
-    assert (found.verdict, found.found) == ("holds", "b")  # 8 % against 5 % / sqrt(16): 6 standard deviations
+    assert (found.verdict, found.found) == (
+        "holds",
+        "b",
+    )  # 8 % against 5 % / sqrt(16): 6 standard deviations
     del results["0a"]
     assert judged([claim], results)[0].verdict == "undecided"
 
@@ -214,10 +268,16 @@ def test_what_was_not_measured_is_undecided():
     twice = entry("optimum", ["b"], levels="abc")
     twice["cases"][0]["levels"][0]["conditions"] = ["1a", "1b"]
     once = {name: result([1.0]) for name in results}
-    assert [found.verdict for found in judged([nothing, twice], results)] == ["undecided", "undecided"]
+    assert [found.verdict for found in judged([nothing, twice], results)] == [
+        "undecided",
+        "undecided",
+    ]
     for kind, values, limits in (
-        ("optimum", ["b"], []), ("order", ["a", "b"], []), ("nonlinear", [], [0.1]), ("offset_within", [], [0, 1.0]),
-    ):  # fmt: skip
+        ("optimum", ["b"], []),
+        ("order", ["a", "b"], []),
+        ("nonlinear", [], [0.1]),
+        ("offset_within", [], [0, 1.0]),
+    ):
         claim = entry(kind, values, limits, levels="abc")
         assert judged([claim], once)[0].verdict == "undecided", kind
         assert judged([claim], {})[0].verdict == "undecided", kind

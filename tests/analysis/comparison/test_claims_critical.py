@@ -32,7 +32,9 @@ def test_two_means_are_a_welch_test():
 
 
 DUNNETT = {1: 1.645, 2: 1.92, 3: 2.06, 5: 2.23, 9: 2.42}
-"""One-sided 5 % values of k means against a control, infinite degrees of freedom (J. Am. Stat. Assoc. 50, 1096)."""
+"""One-sided 5 % values of k means against a control, infinite degrees of freedom (J. Am. Stat.
+Assoc. 50, 1096).
+"""
 
 
 @pytest.mark.parametrize("k", DUNNETT)
@@ -44,13 +46,16 @@ def test_means_that_scatter_alike_are_dunnetts(k):
 
 
 def test_means_that_scatter_differently_agree_with_their_definition():
-    """1e6 draws: 2e-4 of a p of 5 %, five of which are allowed. One that scatters much and is below five others is
-    judged by hardly more than a single test, one that scatters little by Bonferroni's."""
+    """1e6 draws: 2e-4 of a p of 5 %, five of which are allowed. One that scatters much and is below
+    five others is judged by hardly more than a single test, one that scatters little by
+    Bonferroni's."""
     rng, many = np.random.default_rng(4), 1_000_000
     for s in ([7.0, 1.0, 1.0, 0.7, 1.0, 1.0], [0.1, 1.0, 1.0, 0.7, 1.0, 1.0]):
         own, top = s[0] * rng.standard_normal(many), np.full(many, -np.inf)
         for other in s[1:]:
-            np.maximum(top, (other * rng.standard_normal(many) - own) / math.hypot(other, s[0]), out=top)
+            np.maximum(
+                top, (other * rng.standard_normal(many) - own) / math.hypot(other, s[0]), out=top
+            )
         clear = float(np.quantile(top, 0.95))
         means = [(0.0, s[0] ** 2, math.inf), (clear * math.hypot(s[0], s[1]), s[1] ** 2, math.inf)]
         means += [(0.0, other**2, math.inf) for other in s[2:]]
@@ -66,8 +71,8 @@ def test_variances_of_one_prior_are_not_worth_more_than_all_refills():
 
 @pytest.mark.parametrize("spread", [1, 4, 9])
 def test_the_best_is_in_the_set_that_is_not_beaten(spread):
-    """Coverage of at least 95 % where all are equal, the least favourable case, and one scatters more than the others;
-    400 draws, band of 0.1 %."""
+    """Coverage of at least 95 % where all are equal, the least favourable case, and one scatters
+    more than the others; 400 draws, band of 0.1 %."""
     rng = np.random.default_rng(3)
     k, n, lost = 5, 4, 0
     s = np.array([1, 1, 1, 1, spread])[:, None]
@@ -83,9 +88,10 @@ def test_one_mean_is_not_beaten():
 
 
 def test_equal_variances_are_pooled_and_unequal_ones_are_not():
-    """As drawn from s0^2 nu0/chi^2(nu0), of 4000 variances: s0 and nu0 come back. ln s^2 has the variance
-    psi'(nu/2) + psi'(nu0/2), known to sqrt(2/4000) of itself (its kurtosis makes it half as much again): for nu0 = 6
-    that is .048 of psi'(3) = .395, or 12 % and of nu0 about as much; three of them are allowed."""
+    """As drawn from s0^2 nu0/chi^2(nu0), of 4000 variances: s0 and nu0 come back. ln s^2 has the
+    variance psi'(nu/2) + psi'(nu0/2), known to sqrt(2/4000) of itself (its kurtosis makes it half
+    as much again): for nu0 = 6 that is .048 of psi'(3) = .395, or 12 % and of nu0 about as much;
+    three of them are allowed."""
     rng = np.random.default_rng(5)
     nu, many = 3.0, 4000
     alike = prior_of([(float(v), nu) for v in 7 * rng.chisquare(nu, 12) / nu])
@@ -116,6 +122,10 @@ def test_a_variance_of_which_nothing_is_expected_counts_for_at_least_the_mean_of
 
 
 def test_the_prior_solves_its_equation():
-    """psi'(nu0/2) is what the logarithms vary beyond psi'(nu/2): of two variances a factor e^2 apart it is 2 - psi'."""
+    """psi'(nu0/2) is what the logarithms vary beyond psi'(nu/2): of two variances a factor e^2
+    apart it is 2 - psi'.
+    """
     prior = prior_of([(1.0, 30.0), (math.e**2, 30.0)])
-    assert special.polygamma(1, prior.nu / 2) == pytest.approx(2 - special.polygamma(1, 15), rel=1e-6)
+    assert special.polygamma(1, prior.nu / 2) == pytest.approx(
+        2 - special.polygamma(1, 15), rel=1e-6
+    )

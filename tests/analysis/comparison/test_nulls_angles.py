@@ -16,7 +16,10 @@ DELTA = 38.1
 
 
 def table(levels=LEVELS, **bed):
-    empty = [condition(f"e{i}", bed="empty", bed_mass=0.0, acceleration_set=a) for i, a in enumerate(levels)]
+    empty = [
+        condition(f"e{i}", bed="empty", bed_mass=0.0, acceleration_set=a)
+        for i, a in enumerate(levels)
+    ]
     full = [condition(f"l{i}", acceleration_set=a, **bed) for i, a in enumerate(levels)]
     return empty + full
 
@@ -40,16 +43,22 @@ def test_an_injected_angle_is_found(angle):
 
 
 def test_an_angle_inside_the_certificate_holds():
-    """A pole one tenth off its certified value turns 5e-4 rad: within the U of a 10 % spread, 1.96 times that."""
+    """A pole one tenth off its certified value turns 5e-4 rad: within the U of a 10 % spread, 1.96
+    times that.
+    """
     off = math.atan(1 / (OMEGA * 1.6 * 1.1)) - math.atan(1 / (OMEGA * 1.6))
-    (found,) = nulls(table(bed="locked"), Bench(channels=dict(NOMINAL), turn=off, noise=(0.02, 5e-4)))
+    (found,) = nulls(
+        table(bed="locked"), Bench(channels=dict(NOMINAL), turn=off, noise=(0.02, 5e-4))
+    )
     assert found.dphi == pytest.approx(off, abs=3e-5)  # noise: see noise_of
     assert found.verdict == "holds"
     assert found.U_dphi == pytest.approx(1.96 * 0.1 / (OMEGA * 1.6), rel=0.02)
 
 
 def test_rubbing_under_the_bed_is_not_an_angle():
-    """Coulomb friction of the bed's weight gives an energy that grows as a: it goes to beta, not to the angle."""
+    """Coulomb friction of the bed's weight gives an energy that grows as a: it goes to beta, not to
+    the angle.
+    """
 
     def loss(entry, repeat):
         # A dashpot whose energy is 15 N s/m worth plus 4 f X with f = 0.02 M g, at this level.
@@ -96,25 +105,39 @@ def energy(mass: float, a: float, W: float) -> SimpleNamespace:
     """What the null reads of a run with a sine."""
     reactive = math.pi / OMEGA**2 * mass * a**2
     return SimpleNamespace(
-        W=W, level=a, M_eff=mass, reactive=reactive, frequency=OMEGA / (2 * math.pi), acceleration=np.array([a + 0j])
+        W=W,
+        level=a,
+        M_eff=mass,
+        reactive=reactive,
+        frequency=OMEGA / (2 * math.pi),
+        acceleration=np.array([a + 0j]),
     )
 
 
 @pytest.mark.parametrize("repeats", [2, pytest.param(8, marks=pytest.mark.slow)])
 def test_scatter_that_grows_with_W_is_no_angle(repeats):
-    """A light bed in a box whose loss scatters by 5 %, W about 2e-5 a^2. U holds zero in 95 % of 150 draws, within 4
-    standard deviations (18); with a scatter that grows as the level alone, 30 and 27 lie outside."""
+    """A light bed in a box whose loss scatters by 5 %, W about 2e-5 a^2. U holds zero in 95 % of
+    150 draws, within 4 standard deviations (18); with a scatter that grows as the level alone, 30
+    and 27 lie outside."""
     rng, draws, outside = np.random.default_rng(7), 150, 0
     entries = {entry["id"]: entry for entry in table((0.5, 2.0, 5.0, 10.0), bed="locked")}
-    entries = {name: {**entry, "bed_mass": 0.14 * (entry["bed_mass"] > 0)} for name, entry in entries.items()}
+    entries = {
+        name: {**entry, "bed_mass": 0.14 * (entry["bed_mass"] > 0)}
+        for name, entry in entries.items()
+    }
     settings = {name: Setting.of(entry) for name, entry in entries.items()}
     for _ in range(draws):
         runs = {}
         for name, setting in settings.items():
             a = setting.acceleration_set
-            W = 2e-5 * a**2 * (1 + 0.05 * rng.standard_normal(repeats)) + 1e-8 * a * rng.standard_normal(repeats)
+            W = 2e-5 * a**2 * (
+                1 + 0.05 * rng.standard_normal(repeats)
+            ) + 1e-8 * a * rng.standard_normal(repeats)
             mass = 0.24 + setting.bed_mass
-            runs[name] = [SimpleNamespace(condition=name, u_noise=1e-8 * a, energy=energy(mass, a, w)) for w in W]
+            runs[name] = [
+                SimpleNamespace(condition=name, u_noise=1e-8 * a, energy=energy(mass, a, w))
+                for w in W
+            ]
         (null,) = null_tests(settings, runs, IDEAL)
         outside += abs(null.dphi.value) > null.dphi.U
     assert outside <= draws * 0.05 + 4 * math.sqrt(draws * 0.05 * 0.95), outside

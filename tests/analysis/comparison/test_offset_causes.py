@@ -4,15 +4,29 @@ import math
 
 import numpy as np
 import pytest
-from analytic_record import BOX_MASS, GAUGE_MASS, IDEAL, NOMINAL, OMEGA, Bench, condition, prediction_for, session
+from analytic_record import (
+    BOX_MASS,
+    GAUGE_MASS,
+    IDEAL,
+    NOMINAL,
+    OMEGA,
+    Bench,
+    condition,
+    prediction_for,
+    session,
+)
 
 from analysis import read_session
 from analysis.results.cause_row import CauseRow, Span
 
 RIG = {
-    "loss_noise": 20.0, "loss_air": 900.0, "guide_friction": 0.006, "gravity": 9.80665, "cord_frequency": 2.0,
+    "loss_noise": 20.0,
+    "loss_air": 900.0,
+    "guide_friction": 0.006,
+    "gravity": 9.80665,
+    "cord_frequency": 2.0,
     "cord_loss_factor": 0.1,
-}  # fmt: skip
+}
 LEVELS = (2.0, 3.0, 4.0)
 FILLS = (0.0, 0.3, 0.6, 0.9, 1.0)
 POWER = 3.0  # of W_T in a; it is proportional to fill
@@ -29,10 +43,21 @@ def noise(a: float) -> float:
 def made(fills=FILLS, channels=IDEAL, listed=("noise",), values=RIG, **facts):
     """Beds that take W_T in a box with viscous losses; the ledger tells the two apart."""
     table = [
-        condition(f"c{i}{j}", fill=fill, bed_mass=44.8 * fill, carried=fill == 1, acceleration_set=a, settle_cycles=2,
-                  record_cycles=8, losses=list(listed), support="guide", **facts)
-        for i, fill in enumerate(fills) for j, a in enumerate(LEVELS)
-    ]  # fmt: skip
+        condition(
+            f"c{i}{j}",
+            fill=fill,
+            bed_mass=44.8 * fill,
+            carried=fill == 1,
+            acceleration_set=a,
+            settle_cycles=2,
+            record_cycles=8,
+            losses=list(listed),
+            support="guide",
+            **facts,
+        )
+        for i, fill in enumerate(fills)
+        for j, a in enumerate(LEVELS)
+    ]
 
     def coefficient(entry, _repeat):
         return RIG["loss_noise"] + predicted(entry, entry["acceleration_set"]) * OMEGA**3 / (
@@ -49,7 +74,10 @@ def made(fills=FILLS, channels=IDEAL, listed=("noise",), values=RIG, **facts):
     for run in record.runs:
         a = record.conditions[run.condition]["acceleration_set"]
         row = [predicted(record.conditions[run.condition], a), noise(a), 0.0, 0.0]
-        record.truth.ledgers[run.name] = (("W_c", "W_noise", "W_gas", "closure"), np.tile(row, (50, 1)))
+        record.truth.ledgers[run.name] = (
+            ("W_c", "W_noise", "W_gas", "closure"),
+            np.tile(row, (50, 1)),
+        )
     return record
 
 
@@ -62,7 +90,13 @@ FULL = sum(1e-3 * a**POWER * 0.9 for a in LEVELS)
 
 def test_each_cause_grows_as_its_law_says() -> None:
     rows = rows_of(made())
-    expected = {"noise": (2, 0), "air": (3, 0), "guide friction": (1, 1), "cords": (2, 1), "measured excess": (2, 0)}
+    expected = {
+        "noise": (2, 0),
+        "air": (3, 0),
+        "guide friction": (1, 1),
+        "cords": (2, 1),
+        "measured excess": (2, 0),
+    }
     for name, (a, mass) in expected.items():
         grows = rows[name].grows_with
         assert grows.acceleration == pytest.approx(a, abs=1e-6)
@@ -127,7 +161,9 @@ def test_no_rig_no_table() -> None:
 
 
 def test_losses_beside_first_principles_as_the_session_tells_them() -> None:
-    """Low and high over the conditions; nothing for causes that have no such size, and where no session tells."""
+    """Low and high over the conditions; nothing for causes that have no such size, and where no
+    session tells.
+    """
     rows = rows_of(made(over_first_principles={"noise": 3.0, "air": 0.0}))
     found = {name: row.over_first_principles for name, row in rows.items()}
     assert (found.pop("noise"), found.pop("air")) == (Span(3.0, 3.0), Span(0.0, 0.0))

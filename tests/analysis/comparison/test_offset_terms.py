@@ -1,4 +1,6 @@
-"""The terms of an offset: closed forms for one cause at a time, a sum that is the offset, and silence without truth."""
+"""The terms of an offset: closed forms for one cause at a time, a sum that is the offset, and
+silence without truth.
+"""
 
 import dataclasses
 import math
@@ -32,15 +34,22 @@ TAU = NOMINAL["acceleration"].time_constant
 
 
 def made(
-    gains: tuple[float, float] = (1.0, 1.0), pole: float = 1.0, poured: float = 1.0, exact: float | None = None,
+    gains: tuple[float, float] = (1.0, 1.0),
+    pole: float = 1.0,
+    poured: float = 1.0,
+    exact: float | None = None,
     known: bool = True,
-) -> AnalyticRecord:  # fmt: skip
+) -> AnalyticRecord:
     """A session of dashpot beds that take `poured` times W_T, in a box with losses.
 
-    gains: actual over certified scale. pole: actual over certified time constant of the accelerometer (1: ideal
-    channels). exact: what the bed takes in the exact waveform, over W_T. known: truth names the instruments.
+    gains: actual over certified scale. pole: actual over certified time constant of the
+    accelerometer (1: ideal channels). exact: what the bed takes in the exact waveform, over W_T.
+    known: truth names the instruments.
     """
-    table = [condition(f"c{k}", acceleration_set=a, settle_cycles=2, record_cycles=8) for k, a in enumerate(LEVELS)]
+    table = [
+        condition(f"c{k}", acceleration_set=a, settle_cycles=2, record_cycles=8)
+        for k, a in enumerate(LEVELS)
+    ]
     channels = dict(IDEAL)
     if pole != 1.0:
         channels["acceleration"] = dataclasses.replace(IDEAL["acceleration"], time_constant=TAU)
@@ -48,10 +57,13 @@ def made(
     def high_pass(tau: float) -> complex:
         return 1j * OMEGA * tau / (1 + 1j * OMEGA * tau)
 
-    # the stand-in turns the signal by the certified pole and `turn`; what the poles do to its size stands in `gains`
+    # the stand-in turns the signal by the certified pole and `turn`; what the poles do to its size
+    # stands in `gains`
     turned = high_pass(TAU * pole) / high_pass(TAU)
     size = abs(high_pass(TAU * pole)) if pole != 1.0 else 1.0
-    bench = Bench(channels, (gains[0], gains[1] * size), float(np.angle(turned)), samples=11 * 512, repeats=2)
+    bench = Bench(
+        channels, (gains[0], gains[1] * size), float(np.angle(turned)), samples=11 * 512, repeats=2
+    )
     prediction = prediction_for(table, lambda _entry, a: dashpot_energy(BED, a))
     record = session(table, lambda _entry, _r: BOX + poured * BED, bench, np.random.default_rng(1),
                      prediction=prediction)  # fmt: skip
@@ -77,11 +89,14 @@ def terms_of(record: AnalyticRecord) -> list[OffsetTerms]:
     assert [row.offset_terms is None for row in rows] == [False] * len(rows)
     for row in rows:
         assert [name for name, _ in row.offset_terms.named()] == list(TERMS)
-        assert math.fsum(value for _, value in row.offset_terms.named()) == pytest.approx(row.offset, abs=1e-12)
+        assert math.fsum(value for _, value in row.offset_terms.named()) == pytest.approx(
+            row.offset, abs=1e-12
+        )
     return [row.offset_terms for row in rows]
 
 
-# the loop's velocity is integrated numerically: relative error of W far below 1e-6 at 512 samples per cycle
+# the loop's velocity is integrated numerically: relative error of W far below 1e-6 at 512 samples
+# per cycle
 SMALL = 1e-6
 
 
@@ -95,7 +110,9 @@ def test_losses_of_the_box_are_the_whole_offset_where_all_else_is_ideal() -> Non
 def test_scale_enters_the_measured_energy_once_and_the_predicted_one_by_its_exponent(
     gains: tuple[float, float],
 ) -> None:
-    """W_T is a^2 here: scale = [(1+s_F)(1+s_a) - 1] E - [(1+s_a)^2 - 1] W_T(true a), over W_T(measured a)."""
+    """W_T is a^2 here: scale = [(1+s_F)(1+s_a) - 1] E - [(1+s_a)^2 - 1] W_T(true a), over
+    W_T(measured a).
+    """
     s_F, s_a = gains
     measured = s_a**EXPONENT
     expected = ((s_F * s_a - 1.0) * (1.0 + BOX / BED) - (measured - 1.0)) / measured
@@ -107,12 +124,16 @@ def test_scale_enters_the_measured_energy_once_and_the_predicted_one_by_its_expo
 
 @pytest.mark.parametrize("pole", [0.7, 1.3])
 def test_phase_is_a_rotation_by_the_angle_that_correction_leaves(pole: float) -> None:
-    """(pi/w^2) M_eff a^2 dphi, dphi = atan(1/(w tau_true)) - atan(1/(w tau_certified)), of either sign."""
+    """(pi/w^2) M_eff a^2 dphi, dphi = atan(1/(w tau_true)) - atan(1/(w tau_certified)), of either
+    sign.
+    """
     angle = math.atan(1 / (OMEGA * TAU * pole)) - math.atan(1 / (OMEGA * TAU))
     for terms, a in zip(terms_of(made(pole=pole)), LEVELS, strict=True):
         reactive = math.pi / OMEGA**2 * (BOX_MASS + GAUGE_MASS + MASS) * a**2
         # W (1 - cos) = 1e-6 and the pole's change of size, 1e-5, beside it
-        assert terms.phase == pytest.approx(reactive * math.sin(angle) / dashpot_energy(BED, a), rel=1e-4)
+        assert terms.phase == pytest.approx(
+            reactive * math.sin(angle) / dashpot_energy(BED, a), rel=1e-4
+        )
         assert abs(terms.remainder) < 1e-5
 
 
@@ -140,7 +161,10 @@ def test_terms_need_truth_that_names_the_instruments_and_an_offset() -> None:
 
 def test_without_truth_nothing_else_changes() -> None:
     record = made((1.004, 0.993), 1.2, 0.97)
-    with_truth, without = read_session(record), read_session(dataclasses.replace(record, truth=None))
-    fed = dict.fromkeys(("offset_terms", "E_n_chain", "dKE_bed"))
+    with_truth, without = (
+        read_session(record),
+        read_session(dataclasses.replace(record, truth=None)),
+    )
+    fed = dict.fromkeys(("offset_terms", "E_n_truth", "dKE_bed"))
     for one, other in zip(with_truth.conditions, without.conditions, strict=True):
         assert dataclasses.replace(one, **fed) == dataclasses.replace(other, **fed)

@@ -8,9 +8,12 @@ from analysis import read_session
 
 
 def made(model=None, excess=1.07, off=()):
-    """Three levels, a bed that takes 7 % more than predicted, ideal instruments. off: conditions whose table is made
-    for twice their level."""
-    table = [condition(f"c{i}", acceleration_set=a, record_cycles=4) for i, a in enumerate((2.0, 3.0, 4.0))]
+    """Three levels, a bed that takes 7 % more than predicted, ideal instruments. off: conditions
+    whose table is made for twice their level."""
+    table = [
+        condition(f"c{i}", acceleration_set=a, record_cycles=4)
+        for i, a in enumerate((2.0, 3.0, 4.0))
+    ]
     prediction = prediction_for(table, lambda _entry, a: dashpot_energy(200.0, a))
     for entry in prediction["conditions"].values() if model is not None else ():
         entry["model"] = list(model)
@@ -18,11 +21,15 @@ def made(model=None, excess=1.07, off=()):
         entry = prediction["conditions"][name]
         entry["acceleration"] = [2 * a for a in entry["acceleration"]]
     bench, rng = Bench(repeats=2, samples=16 * 512), np.random.default_rng(2)
-    return read_session(session(table, lambda *_: 200.0 * excess, bench, rng, prediction=prediction))
+    return read_session(
+        session(table, lambda *_: 200.0 * excess, bench, rng, prediction=prediction)
+    )
 
 
 def test_seven_per_cent_is_told_by_the_prediction_and_not_by_the_model():
-    """W_T open by half: the interval is that of the draws' quantiles, and E_n the 7 % over its half width."""
+    """W_T open by half: the interval is that of the draws' quantiles, and E_n the 7 % over its half
+    width.
+    """
     model = np.linspace(0.5, 1.5, 201)
     report = made(model)
     found = {row.comparison: row for row in report.comparisons}

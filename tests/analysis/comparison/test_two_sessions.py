@@ -1,4 +1,6 @@
-"""Two sessions compared: what is matched, what is significant, what common errors do; scipy's tau as a witness."""
+"""Two sessions compared: what is matched, what is significant, what common errors do; scipy's tau
+as a witness.
+"""
 
 import copy
 import json
@@ -24,16 +26,34 @@ def row(name, W, *, bed="layers", fill=0.5, a=3.0, scatter=0.01, common=0.02, ru
         SourceRow("force sensitivity", "1", common, W, None, 0.5),
     )
     return bare(
-        ConditionRow, id=name, material="stainless", density=7900.0, diameter=4e-3, fill=fill, bed=bed,
-        drive="servo", frequency=20.0, acceleration_set=a, acceleration=a, exponent=2.5,
-        W_exp=W, U_W_exp=1.96 * abs(W) * math.hypot(scatter, common), W_detect=1e-6, uncertainty=lines,
+        ConditionRow,
+        id=name,
+        material="stainless",
+        density=7900.0,
+        diameter=4e-3,
+        fill=fill,
+        bed=bed,
+        drive="prescribed",
+        frequency=20.0,
+        acceleration_set=a,
+        acceleration=a,
+        exponent=2.5,
+        W_exp=W,
+        U_W_exp=1.96 * abs(W) * math.hypot(scatter, common),
+        W_detect=1e-6,
+        uncertainty=lines,
         runs=(bare(RunRow),) * runs,
-    )  # fmt: skip
+    )
 
 
 def report(rows, name="one"):
     return bare(
-        Report, protocol=name, synthetic=True, verdict="passes", conditions=tuple(rows), agreement=bare(AgreementRow)
+        Report,
+        protocol=name,
+        synthetic=True,
+        verdict="passes",
+        conditions=tuple(rows),
+        agreement=bare(AgreementRow),
     )
 
 
@@ -41,7 +61,10 @@ LEVELS = [(fill, a) for fill in (0.3, 0.5, 0.9) for a in (2.0, 3.0, 4.0, 5.0)]
 
 
 def session(factor=1.0, name="one", **more):
-    rows = [row(f"c{i}", factor * fill * a**2.5, fill=fill, a=a, **more) for i, (fill, a) in enumerate(LEVELS)]
+    rows = [
+        row(f"c{i}", factor * fill * a**2.5, fill=fill, a=a, **more)
+        for i, (fill, a) in enumerate(LEVELS)
+    ]
     return report(rows, name)
 
 
@@ -57,12 +80,15 @@ def test_a_session_agrees_with_itself_whatever_its_instruments_do():
 
 @pytest.mark.parametrize("same", [True, False])
 def test_common_errors_cancel_only_where_the_instruments_are_the_same(same):
-    """ln W_B/W_A: sqrt(2) of the scatter 1 %, and sqrt(2) of the sensitivity 2 % where there are two of them."""
+    """ln W_B/W_A: sqrt(2) of the scatter 1 %, and sqrt(2) of the sensitivity 2 % where there are
+    two of them.
+    """
     found = compare(session(), session(1.05, "two"), same_instruments=same)
     u = math.hypot(0.01, 0 if same else 0.02) * math.sqrt(2)
     for pair in found.pairs:
         assert pair.relative == pytest.approx(0.05)
-        # the common part of a ratio cancels to the last bit; of B's scatter 1.05 times A's is left in B/A - 1
+        # the common part of a ratio cancels to the last bit; of B's scatter 1.05 times A's is left
+        # in B/A - 1
         assert pair.U_relative == pytest.approx(1.96 * 1.05 * u, rel=1e-3)
         assert pair.significant == (same)  # 0.05 is 3.4 u, and 1.5 u
     assert found.same_instruments == same
@@ -80,7 +106,9 @@ def test_a_single_run_may_differ_by_its_refill(runs, tmp_path):
 
 
 def test_false_alarms_are_as_rare_as_stated():
-    """Two sessions of the same truth: any of the 12 `significant` in at most 5 % (Holm), within 4 binomial sigma."""
+    """Two sessions of the same truth: any of the 12 `significant` in at most 5 % (Holm), within 4
+    binomial sigma.
+    """
     rng, alarms, tries = np.random.default_rng(7), 0, 400
     for _ in range(tries):
         one, two = session(), session()
@@ -88,14 +116,23 @@ def test_false_alarms_are_as_rare_as_stated():
         for each in (one, two):
             scale = 1 + 0.02 * rng.standard_normal()
             factors = [scale * (1 + 0.01 * rng.standard_normal()) for _ in each.conditions]
-            made.append(report([replace(c, W_exp=c.W_exp * f) for c, f in zip(each.conditions, factors, strict=True)]))
+            made.append(
+                report(
+                    [
+                        replace(c, W_exp=c.W_exp * f)
+                        for c, f in zip(each.conditions, factors, strict=True)
+                    ]
+                )
+            )
         alarms += any(pair.significant for pair in compare(*made).pairs)
     assert alarms / tries <= 0.05 + 4 * math.sqrt(0.05 * 0.95 / tries)
 
 
 def test_settings_match_and_not_names():
     one, two = session(), session()
-    first, second, *rest = [replace(each, id=f"x{i}") for i, each in enumerate(reversed(two.conditions))]
+    first, second, *rest = [
+        replace(each, id=f"x{i}") for i, each in enumerate(reversed(two.conditions))
+    ]
     changed = [replace(first, fill=0.123), replace(second, acceleration=1.2 * second.acceleration)]
     found = compare(one, report([*changed, *rest]))
     assert len(found.pairs) == 10
@@ -106,7 +143,9 @@ def test_settings_match_and_not_names():
 
 
 def imported(each, level=1.005, **more):
-    """The same condition as an import has it: the level that was measured as the level that was set."""
+    """The same condition as an import has it: the level that was measured as the level that was
+    set.
+    """
     a = each.acceleration * level
     changes = {"acceleration_set": 1.01 * a, "acceleration": a, "frequency": 19.9993, **more}
     return replace(each, id=f"lab_{each.id}", drive="measured", **changes)
@@ -123,7 +162,9 @@ def test_levels_that_were_measured_match_within_5_percent():
     assert paired(compare(one, lab)) == names
     assert paired(compare(lab, one)) == [(b, a) for a, b in names]
     later = report([imported(each, 0.98) for each in one.conditions], "later")
-    assert [a for a, b in paired(compare(lab, later)) if a == b] == [each.id for each in lab.conditions]
+    assert [a for a, b in paired(compare(lab, later)) if a == b] == [
+        each.id for each in lab.conditions
+    ]
     far = compare(one, report([imported(each, 1.06) for each in one.conditions]))
     assert far.pairs == ()
     assert "5.8 % apart" in far.alone[0].why  # ln 1.06
@@ -136,7 +177,10 @@ def test_the_nearest_level_is_matched_and_none_twice():
     assert paired(compare(one, two)) == [("low", "y"), ("high", "x")]
     # the level that was set goes before the nearest one reached
     drifted = report(
-        [replace(row("x", 1.0, a=2.0), acceleration=2.05), replace(row("y", 1.0, a=2.06), acceleration=2.01)]
+        [
+            replace(row("x", 1.0, a=2.0), acceleration=2.05),
+            replace(row("y", 1.0, a=2.06), acceleration=2.01),
+        ]
     )
     assert paired(compare(one, drifted)) == [("low", "x"), ("high", "y")]
 
@@ -150,7 +194,9 @@ def test_levels_that_differ_widen_U_and_W_is_not_corrected():
 
 
 def test_what_differs_is_named_on_both_sides():
-    found = compare(report([row("a", 1.0)]), report([row("b", 1.0, fill=0.6), row("c", 1.0, fill=0.7, a=9.0)]))
+    found = compare(
+        report([row("a", 1.0)]), report([row("b", 1.0, fill=0.6), row("c", 1.0, fill=0.7, a=9.0)])
+    )
     whys = {entry.id: entry.why for entry in found.alone}
     assert "nearest is b: fill 0.5 against 0.6" in whys["a"]
     assert "fill 0.7 against 0.5, acceleration_set 9 against 3" in whys["c"]
@@ -173,9 +219,14 @@ def test_what_one_side_does_not_know_is_listed_and_never_guessed():
 
 def test_sessions_have_names_and_words():
     empty = report([])
-    told = comparison_sentences(compare(empty, report([row("b", 1.0)]), folders=("monday", "friday")))
+    told = comparison_sentences(
+        compare(empty, report([row("b", 1.0)]), folders=("monday", "friday"))
+    )
     assert "A is one (monday) (simulated, no usable condition, passes)." in told[0]
-    assert "B is one (friday) (simulated, bed layers, drive servo, 1 condition, passes)." in told[0]
+    assert (
+        "B is one (friday) (simulated, bed layers, drive prescribed, 1 condition, passes)."
+        in told[0]
+    )
     other = compare(empty, report([], "two"), folders=("monday", "friday"))
     assert [each.name for each in other.sessions] == ["one", "two"]
 
@@ -190,7 +241,9 @@ def test_the_same_bed_goes_first_and_what_is_not_told_apart_is_left_out():
 
 
 def test_what_is_not_known_is_no_difference():
-    measured = report([replace(row("m", 1.0), density=None, diameter=None, bed="unknown", exponent=None)])
+    measured = report(
+        [replace(row("m", 1.0), density=None, diameter=None, bed="unknown", exponent=None)]
+    )
     assert len(compare(measured, report([row("b", 1.0)])).pairs) == 1
 
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from analysis import dissipated_energy
 from analysis.energy.per_cycle import Total, window_energy
 
-# The velocity rule is wrong by 11/720 (w dt)^4 = 3.5e-10 at 512 samples per cycle: the tolerance of smooth signals.
+# The velocity rule is wrong by 11/720 (w dt)^4 = 3.5e-10 at 512 samples per cycle: the tolerance of
+# smooth signals.
 SMOOTH = 1e-9
 CYCLES = 50
 N = CYCLES * 512
@@ -35,8 +36,8 @@ def test_a_source_of_energy_is_negative():
 
 
 def test_dry_friction_gives_four_f_x():
-    """W = 4 f X. The jumps of the square wave are sampled: each may be misplaced by half a step where v = 0, so the
-    error is of order (w dt / 2)^2 of W per jump."""
+    """W = 4 f X. The jumps of the square wave are sampled: each may be misplaced by half a step
+    where v = 0, so the error is of order (w dt / 2)^2 of W per jump."""
     t = drive_time(N, delay=0.5)  # jumps midway between samples
     a, v = motion(t, 5.0)
     energy = read(40.0 * np.sign(v), a)
@@ -65,7 +66,9 @@ def test_third_harmonic_in_both_channels_carries_its_own_energy():
     assert pytest.approx(expected, rel=SMOOTH + third) == energy.W
     assert pytest.approx(expected, rel=1e-11) == energy.W_phasor
     assert abs(energy.acceleration[2]) == pytest.approx(0.5, rel=1e-12)
-    assert energy.thd_force == pytest.approx(abs(12 + 30 / (3j * OMEGA)) * 0.5 / (abs(12 + 30 / (1j * OMEGA)) * 5))
+    assert energy.thd_force == pytest.approx(
+        abs(12 + 30 / (3j * OMEGA)) * 0.5 / (abs(12 + 30 / (1j * OMEGA)) * 5)
+    )
 
 
 @settings(deadline=None)
@@ -74,15 +77,17 @@ def test_third_harmonic_in_both_channels_carries_its_own_energy():
     offsets=st.tuples(st.floats(-10, 10), st.floats(-1, 1)),
 )  # fmt: skip
 def test_estimators_agree_whatever_the_phase_and_offset(c, mass, a0, phase, offsets):
-    """Parseval: on whole cycles the three are one number. Rounding is relative to the force times velocity at play."""
+    """Parseval: on whole cycles the three are one number. Rounding is relative to the force times
+    velocity at clearance.
+    """
     t = drive_time(8 * 512, delay=0) + phase / OMEGA
     a, v = motion(t, a0)
     energy = read(mass * a + c * v + offsets[0], a + offsets[1], box_mass=mass)
-    in_play = np.pi * (mass + c / OMEGA) * a0**2 / OMEGA**2 + abs(offsets[0]) * a0 / OMEGA**2
-    assert pytest.approx(dashpot_energy(c, a0), rel=SMOOTH, abs=1e-11 * in_play) == energy.W
-    assert energy.W_phasor == pytest.approx(energy.W, rel=SMOOTH, abs=1e-11 * in_play)
-    assert energy.W_eq25 == pytest.approx(energy.W, rel=SMOOTH, abs=1e-11 * in_play)
-    assert abs(energy.W_kin) < 1e-11 * in_play
+    in_clearance = np.pi * (mass + c / OMEGA) * a0**2 / OMEGA**2 + abs(offsets[0]) * a0 / OMEGA**2
+    assert pytest.approx(dashpot_energy(c, a0), rel=SMOOTH, abs=1e-11 * in_clearance) == energy.W
+    assert energy.W_phasor == pytest.approx(energy.W, rel=SMOOTH, abs=1e-11 * in_clearance)
+    assert energy.W_eq25 == pytest.approx(energy.W, rel=SMOOTH, abs=1e-11 * in_clearance)
+    assert abs(energy.W_kin) < 1e-11 * in_clearance
 
 
 @settings(deadline=None)
@@ -95,7 +100,9 @@ def test_energy_scales_with_force_times_acceleration(scale):
 
 
 def test_poles_are_undone_exactly():
-    """A one-pole high pass turns a steady sine by atan(1/(w tau)): without correction W is far off, with it exact."""
+    """A one-pole high pass turns a steady sine by atan(1/(w tau)): without correction W is far off,
+    with it exact.
+    """
     tau_f, tau_a = 2000.0, 1.6
     t = drive_time(N, delay=0)
     gain = [1j * OMEGA * tau / (1 + 1j * OMEGA * tau) for tau in (tau_f, tau_a)]
@@ -129,13 +136,19 @@ def test_a_delay_between_the_channels_is_undone():
 
 @pytest.mark.parametrize("frequency", [20.3, 19.97, 33.333, 9.1])
 def test_any_number_of_samples_per_cycle(frequency):
-    """Off the integer grid samples are interpolated; at 300 per cycle and more the error is below 1e-9."""
+    """Off the integer grid samples are interpolated; at 300 per cycle and more the error is below
+    1e-9.
+    """
     w = 2 * np.pi * frequency
     t = drive_time(N)
     a, v = motion(t, 5.0, frequency)
-    energy = dissipated_energy(38 * a + 30 * v, a, RATE, frequency, filter_delay=FILTER_DELAY, settle=2)
+    energy = dissipated_energy(
+        38 * a + 30 * v, a, RATE, frequency, filter_delay=FILTER_DELAY, settle=2
+    )
     points = RATE / frequency
-    assert pytest.approx(dashpot_energy(30, 5, frequency), rel=(2 * np.pi / points) ** 4) == energy.W
+    assert (
+        pytest.approx(dashpot_energy(30, 5, frequency), rel=(2 * np.pi / points) ** 4) == energy.W
+    )
     assert energy.W_phasor == pytest.approx(energy.W, rel=1e-8)
     # The window starts at the drive's cycle start: a = -a0 sin(wt) has the phasor +j a0.
     assert energy.acceleration[0] == pytest.approx(5j, rel=1e-8)
@@ -150,11 +163,16 @@ def test_long_records_are_read_in_parts_to_the_same_numbers():
     a, v = motion(t, 5.0)
     growth = 1 + 0.002 * np.floor(t * 20.0 + 1e-9)
     whole = read(growth * (30 * v + 12 * a), a)
-    parts = [read(growth[s] * (30 * v + 12 * a)[s], a[s]) for s in np.split(np.arange(a.size), [64 * 512, 128 * 512])]
+    parts = [
+        read(growth[s] * (30 * v + 12 * a)[s], a[s])
+        for s in np.split(np.arange(a.size), [64 * 512, 128 * 512])
+    ]
     assert whole.cycles == 150
     assert pytest.approx(sum(p.W * p.cycles for p in parts) / 150, rel=1e-12) == whole.W
     assert pytest.approx(dashpot_energy(30, 5) * growth.mean(), rel=1e-8) == whole.W
-    assert whole.force[0] == pytest.approx(sum(p.force[0] * p.cycles for p in parts) / 150, rel=1e-9)
+    assert whole.force[0] == pytest.approx(
+        sum(p.force[0] * p.cycles for p in parts) / 150, rel=1e-9
+    )
 
 
 def test_a_total_weights_with_cycles():
@@ -183,7 +201,9 @@ def test_what_cannot_be_read_is_named():
 
 
 def test_box_energy_counts_where_the_level_drifts():
-    """v = .04 (1 + .1 t) cos(wt): of W_exc the box keeps what its speed grows from first to last cycle start."""
+    """v = .04 (1 + .1 t) cos(wt): of W_exc the box keeps what its speed grows from first to last
+    cycle start.
+    """
     t = drive_time(40 * 512, delay=0)
     a = 0.04 * (0.1 * np.cos(OMEGA * t) - (1 + 0.1 * t) * OMEGA * np.sin(OMEGA * t))
     energy = read(12 * a, a, box_mass=12.0)

@@ -1,4 +1,6 @@
-"""Claims in the report: judged from the record's own document, never part of the verdict, safe in every form."""
+"""Claims in the report: judged from the record's own document, never part of the verdict, safe in
+every form.
+"""
 
 import json
 
@@ -14,11 +16,16 @@ WORDS = "W <b>rises</b> | greatly"
 
 @pytest.fixture(scope="module")
 def report():
-    table = [condition(f"1{v}", fill=v / 4, acceleration_set=5.0, settle_cycles=1, record_cycles=4) for v in (1, 2, 3)]
+    table = [
+        condition(f"1{v}", fill=v / 4, acceleration_set=5.0, settle_cycles=1, record_cycles=4)
+        for v in (1, 2, 3)
+    ]
     claims = [
         {**entry("rise", ["1", "3"], levels="123"), "claim": WORDS},
         {**entry("fall", ["1", "3"], levels="123"), "claim": "the opposite"},
-        entry("offset_within", limits=[0.055, 0.085], levels="123", imposed="losses were set to it"),
+        entry(
+            "offset_within", limits=[0.055, 0.085], levels="123", imposed="losses were set to it"
+        ),
     ]
     documents = {
         "prediction": prediction_for(table, lambda e, a: dashpot_energy(300 * e["fill"], a)),
@@ -50,4 +57,6 @@ def test_every_form_shows_them_as_text(report, tmp_path):
     (row,) = (line for line in text.splitlines() if "greatly" in line)
     assert row.replace("\\|", "").count("|") == 8
     assert "1 \\< 2 \\< 3" in row
-    assert json.loads((tmp_path / "report.json").read_text())["claims"] == report.document()["claims"]
+    assert (
+        json.loads((tmp_path / "report.json").read_text())["claims"] == report.document()["claims"]
+    )

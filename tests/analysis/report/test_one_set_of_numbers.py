@@ -1,4 +1,6 @@
-"""A number of report.json that stands in another form of the report too is the same there, to the digits shown."""
+"""A number of report.json that stands in another form of the report too is the same there, to the
+digits shown.
+"""
 
 import csv
 import io
@@ -20,37 +22,60 @@ from analysis.results.report import Report
 
 Document = dict[str, Any]
 SHOWN = {
-    "Conditions": ("conditions", {
-        "a, m/s²": ("acceleration", None, 1, None), "W_exp ± U, mJ": ("W_exp", "U_W_exp", 1e3, 4),
-        "W_T ± U, mJ": ("W_T", "U_W_T", 1e3, 4), "offset, %": ("offset", "U_offset", 100, 4),
-        "E_n": ("E_n", None, 1, None), "E_n chain": ("E_n_chain", None, 1, None),
-        "detect, mJ": ("W_detect", None, 1e3, 2), "eta ± U": ("eta", "U_eta", 1, 4),
-        "M_eff ± U, kg": ("M_eff", "U_M_eff", 1, 4), "THD box, %": ("thd_box", None, 100, 2),
-        "bound, mJ": ("bound", None, 1e3, 3),
-    }),
-    "Null tests": ("nulls", {
-        "mass, kg": ("bed_mass", None, 1, 3), "f, Hz": ("frequency", None, 1, 6),
-        "angle ± U, mrad": ("dphi", "U_dphi", 1e3, 4),
-    }),
-    "References": ("references", {"found ± U": ("value", "U", 1, 4), "known": ("expected", None, 1, 5)}),
-}  # fmt: skip
-"""By a table's title: the report's list, and of each column value, U, scale, and significant digits (None: places)."""
+    "Conditions": (
+        "conditions",
+        {
+            "a, m/s²": ("acceleration", None, 1, None),
+            "W_exp ± U, mJ": ("W_exp", "U_W_exp", 1e3, 4),
+            "W_T ± U, mJ": ("W_T", "U_W_T", 1e3, 4),
+            "offset, %": ("offset", "U_offset", 100, 4),
+            "E_n": ("E_n", None, 1, None),
+            "E_n chain": ("E_n_truth", None, 1, None),
+            "detect, mJ": ("W_detect", None, 1e3, 2),
+            "eta ± U": ("eta", "U_eta", 1, 4),
+            "M_eff ± U, kg": ("M_eff", "U_M_eff", 1, 4),
+            "THD box, %": ("thd_box", None, 100, 2),
+            "bound, mJ": ("bound", None, 1e3, 3),
+        },
+    ),
+    "Null tests": (
+        "nulls",
+        {
+            "mass, kg": ("bed_mass", None, 1, 3),
+            "f, Hz": ("frequency", None, 1, 6),
+            "angle ± U, mrad": ("dphi", "U_dphi", 1e3, 4),
+        },
+    ),
+    "References": (
+        "references",
+        {"found ± U": ("value", "U", 1, 4), "known": ("expected", None, 1, 5)},
+    ),
+}
+"""By a table's title: the report's list, and of each column value, U, scale, and significant digits
+(None: places).
+"""
 DASH = "–"
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
 
 
 def same(text: str, value: float, digits: int | None) -> bool:
-    """Whether a text shows a number to its last place, or where it has more digits than that counts, to `digits`."""
+    """Whether a text shows a number to its last place, or where it has more digits than that
+    counts, to `digits`.
+    """
     exact, shown = Decimal(repr(float(value))), Decimal(text)
     place = shown.as_tuple().exponent
     assert isinstance(place, int)
     if digits is not None and exact:
         place = max(place, exact.adjusted() - digits + 1)
     # Half a unit of the place; twice rounded (to a float's nearest between), an ulp more.
-    return abs(exact - shown) <= Decimal("0.5000001") * Decimal(1).scaleb(place) + abs(exact) * Decimal("1e-14")
+    return abs(exact - shown) <= Decimal("0.5000001") * Decimal(1).scaleb(place) + abs(
+        exact
+    ) * Decimal("1e-14")
 
 
-def agrees(cell: str, value: float | None, U: float | None, scale: float, digits: int | None) -> bool:
+def agrees(
+    cell: str, value: float | None, U: float | None, scale: float, digits: int | None
+) -> bool:
     if value is None:
         return cell == DASH
     parts = cell.split(" ± ")
@@ -107,7 +132,10 @@ def of_markdown(text: str) -> dict[str, tuple[list[str], list[list[str]]]]:
     found = {}
     for part in re.split(r"^### ", text, flags=re.MULTILINE)[1:]:
         lines = [line for line in part.splitlines() if line.startswith("| ")]
-        cells = [[re.sub(r"\\(.)", r"\1", c.strip()) for c in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
+        cells = [
+            [re.sub(r"\\(.)", r"\1", c.strip()) for c in re.split(r"(?<!\\)\|", line)[1:-1]]
+            for line in lines
+        ]
         found[part.splitlines()[0]] = (cells[0], cells[1:])
     return found
 
@@ -126,7 +154,11 @@ def check_csv(report: Document, text: str) -> None:
     assert len(rows) == len(report["conditions"])
     for row, known in zip(rows, report["conditions"], strict=True):
         terms = known["offset_terms"] or dict.fromkeys(TERMS)
-        told = {**known, "runs": len(known["runs"]), **{f"offset_{name}": value for name, value in terms.items()}}
+        told = {
+            **known,
+            "runs": len(known["runs"]),
+            **{f"offset_{name}": value for name, value in terms.items()},
+        }
         for name, shown in row.items():
             assert shown == ("" if told[name] is None else str(told[name])), (known["id"], name)
 
@@ -145,17 +177,29 @@ def check_tables(report: Document, page: dict[str, Any], marked: dict[str, Any])
                 text, sorted_by = row[head.index(column)]
                 number = known[value]
                 of_U = known[U] if U else None
-                assert agrees(text, number, of_U, scale, digits), (title, column, text, number, of_U)
+                assert agrees(text, number, of_U, scale, digits), (
+                    title,
+                    column,
+                    text,
+                    number,
+                    of_U,
+                )
                 assert sorted_by is None if number is None else float(sorted_by) == number * scale
 
 
 def check_sentences(report: Document, text: str) -> None:
-    """The sentences of the verdict are the same in the page (test_report_pages); their numbers are the report's."""
+    """The sentences of the verdict are the same in the page (test_report_pages); their numbers are
+    the report's.
+    """
     found, conditions = report["agreement"], report["conditions"]
-    ratio = re.search(rf"W_T by ({NUMBER}) % ± ({NUMBER}) % \(k = ({NUMBER}), nu = ({NUMBER}|∞)\)", text)
+    ratio = re.search(
+        rf"W_T by ({NUMBER}) % ± ({NUMBER}) % \(k = ({NUMBER}), nu = ({NUMBER}|∞)\)", text
+    )
     assert (ratio is None) == (found["ratio"] is None)
     if ratio is not None:
-        assert agrees(f"{ratio[1]} ± {ratio[2]}", abs(found["ratio"] - 1), found["U_ratio"], 100, None)
+        assert agrees(
+            f"{ratio[1]} ± {ratio[2]}", abs(found["ratio"] - 1), found["U_ratio"], 100, None
+        )
         assert same(ratio[3], found["k"], None)
         assert ratio[4] == "∞" if found["nu"] is None else same(ratio[4], found["nu"], None)
     slope = re.search(rf"Slope through the origin ({NUMBER} ± {NUMBER})\.", text)
@@ -174,26 +218,44 @@ def check_sentences(report: Document, text: str) -> None:
         assert same(mean[2], 100 * found["mean_offset"], 2)
     assert f"## Verdict: {report['verdict'].capitalize()}" in text
     chain = re.search(r"own ledger in (\d+) of (\d+) conditions", text)
-    assert (chain is None) == (report["chain"]["share"] is None)
+    assert (chain is None) == (report["truth"]["share"] is None)
     if chain is not None:
-        assert int(chain[1]) / int(chain[2]) == report["chain"]["share"]
+        assert int(chain[1]) / int(chain[2]) == report["truth"]["share"]
 
 
 DEMO = demo_report().document()
 SIZE = st.floats(1e-12, 1e5)
-EITHER = st.tuples(st.sampled_from([1.0, -1.0]), SIZE).map(lambda both: both[0] * both[1]) | st.just(0.0)
+EITHER = st.tuples(st.sampled_from([1.0, -1.0]), SIZE).map(
+    lambda both: both[0] * both[1]
+) | st.just(0.0)
 ROW = st.fixed_dictionaries(
-    {"W_exp": EITHER, "U_W_exp": SIZE, "acceleration": SIZE, "W_detect": SIZE, "eta": st.none() | EITHER, "U_eta": SIZE,
-     "M_eff": st.none() | EITHER, "U_M_eff": SIZE, "thd_box": st.none() | SIZE, "bound": st.none() | SIZE,
-     "E_n": st.none() | EITHER, "E_n_chain": st.none() | EITHER},
-)  # fmt: skip
+    {
+        "W_exp": EITHER,
+        "U_W_exp": SIZE,
+        "acceleration": SIZE,
+        "W_detect": SIZE,
+        "eta": st.none() | EITHER,
+        "U_eta": SIZE,
+        "M_eff": st.none() | EITHER,
+        "U_M_eff": SIZE,
+        "thd_box": st.none() | SIZE,
+        "bound": st.none() | SIZE,
+        "E_n": st.none() | EITHER,
+        "E_n_truth": st.none() | EITHER,
+    },
+)
 LINE = st.fixed_dictionaries({"chi2": SIZE, "dof": st.integers(1, 100)})
 AGREEMENT = st.fixed_dictionaries(
-    {"ratio": st.floats(0.1, 10), "U_ratio": st.floats(1e-4, 1), "k": st.floats(1.96, 13), "nu": st.none() | SIZE},
-)  # fmt: skip
-SLOPE = st.fixed_dictionaries({"slope": st.floats(0.1, 10), "U_slope": st.floats(1e-4, 1)}) | st.just(
-    {"slope": None, "U_slope": None}
+    {
+        "ratio": st.floats(0.1, 10),
+        "U_ratio": st.floats(1e-4, 1),
+        "k": st.floats(1.96, 13),
+        "nu": st.none() | SIZE,
+    },
 )
+SLOPE = st.fixed_dictionaries(
+    {"slope": st.floats(0.1, 10), "U_slope": st.floats(1e-4, 1)}
+) | st.just({"slope": None, "U_slope": None})
 
 
 def test_the_forms_of_a_report_agree() -> None:
@@ -201,9 +263,16 @@ def test_the_forms_of_a_report_agree() -> None:
 
 
 @given(rows=st.lists(ROW, min_size=1, max_size=3), found=AGREEMENT, slope=SLOPE, line=LINE)
-def test_whatever_the_numbers(rows: list[Document], found: Document, slope: Document, line: Document) -> None:
+def test_whatever_the_numbers(
+    rows: list[Document], found: Document, slope: Document, line: Document
+) -> None:
     conditions = [{**known, **row} for known, row in zip(DEMO["conditions"], rows, strict=False)]
-    agreement = {**DEMO["agreement"], **found, **slope, "line": {**DEMO["agreement"]["line"], **line}}
+    agreement = {
+        **DEMO["agreement"],
+        **found,
+        **slope,
+        "line": {**DEMO["agreement"]["line"], **line},
+    }
     check({**DEMO, "conditions": conditions, "agreement": agreement})
 
 

@@ -1,4 +1,6 @@
-"""The page in a browser: no network, no console error, figures seen, tables sorted, no sideways scroll, a PDF."""
+"""The page in a browser: no network, no console error, figures seen, tables sorted, no sideways
+scroll, a PDF.
+"""
 
 import json
 import re
@@ -13,10 +15,15 @@ from page_report import demo_report
 from analysis import write_report
 from analysis.report.sections import plots
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
 pytestmark = [
     pytest.mark.browser,
-    pytest.mark.skipif(BROWSER is None, reason="No Chromium here: install `chromium` to test the page in a browser."),
+    pytest.mark.skipif(
+        BROWSER is None,
+        reason="No Chromium here: install `chromium` to test the page in a browser.",
+    ),
 ]
 
 PROBE = """
@@ -66,18 +73,31 @@ def browse(page: Path, *options: str) -> subprocess.CompletedProcess[str]:
     assert BROWSER is not None
     return subprocess.run(
         [
-            BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr",
-            f"--user-data-dir={page.parent / 'profile'}", "--host-resolver-rules=MAP * ~NOTFOUND", *options,
+            BROWSER,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            "--enable-logging=stderr",
+            f"--user-data-dir={page.parent / 'profile'}",
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+            *options,
             page.as_uri(),
         ],
-        capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
 
 
 @pytest.mark.parametrize("width", [1280, 390])
 def test_the_page_works_without_a_network(page, width):
     probed, frame = page.with_name("probe.html"), page.with_name("frame.html")
-    probed.write_text(page.read_text(encoding="utf-8").replace("</body>", f"<script>{PROBE}</script></body>"), "utf-8")
+    probed.write_text(
+        page.read_text(encoding="utf-8").replace("</body>", f"<script>{PROBE}</script></body>"),
+        "utf-8",
+    )
     frame.write_text(FRAME % width, encoding="utf-8")
     done = browse(frame, "--window-size=1400,1000", "--virtual-time-budget=5000", "--dump-dom")
     assert [line for line in done.stderr.splitlines() if "CONSOLE" in line] == []

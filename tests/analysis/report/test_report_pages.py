@@ -53,12 +53,24 @@ def test_equal_reports_give_equal_bytes(report, tmp_path):
     )
     names = [path.relative_to(tmp_path / "a").as_posix() for path in first]
     assert names == [
-        "report.csv", "report.md", "report.html",
-        *(f"figures/{name}.svg" for name in (
-            "energy", "energy_log", "energy_fill", "offset", "nulls", "waveforms", "repeats", "bland_altman",
-        )),
+        "report.csv",
+        "report.md",
+        "report.html",
+        *(
+            f"figures/{name}.svg"
+            for name in (
+                "energy",
+                "energy_log",
+                "energy_fill",
+                "offset",
+                "nulls",
+                "waveforms",
+                "repeats",
+                "bland_altman",
+            )
+        ),
         "report.json",
-    ]  # fmt: skip
+    ]
     for one, other in zip(first, second, strict=True):
         assert one.read_bytes() == other.read_bytes()
 
@@ -140,10 +152,15 @@ def test_first_sentence_and_headline(report):
 @pytest.mark.parametrize(
     ("value", "U", "shown"),
     [
-        (0.123456, 0.0123, "0.123 ± 0.012"), (12.345, 3.21, "12.3 ± 3.2"), (1234.5, 120.0, "1234 ± 120"),
-        (-0.5, 0.25, "-0.50 ± 0.25"), (0.0, 1e-17, "0 ± 1e-17"), (1.23456, 0.0, "1.235"), (None, 1.0, "–"),
+        (0.123456, 0.0123, "0.123 ± 0.012"),
+        (12.345, 3.21, "12.3 ± 3.2"),
+        (1234.5, 120.0, "1234 ± 120"),
+        (-0.5, 0.25, "-0.50 ± 0.25"),
+        (0.0, 1e-17, "0 ± 1e-17"),
+        (1.23456, 0.0, "1.235"),
+        (None, 1.0, "–"),
     ],
-)  # fmt: skip
+)
 def test_value_and_uncertainty_share_their_last_place(value, U, shown):
     assert with_U(value, U).text == shown
 
@@ -151,10 +168,14 @@ def test_value_and_uncertainty_share_their_last_place(value, U, shown):
 @pytest.mark.parametrize(
     ("value", "digits", "shown"),
     [
-        (187.3, 2, "190"), (0.99996, 2, "1.0"), (0.00512, 2, "0.0051"), (-3.0, 3, "-3.00"), (1e-9, 2, "1e-09"),
+        (187.3, 2, "190"),
+        (0.99996, 2, "1.0"),
+        (0.00512, 2, "0.0051"),
+        (-3.0, 3, "-3.00"),
+        (1e-9, 2, "1e-09"),
         (0, 3, "0"),
     ],
-)  # fmt: skip
+)
 def test_significant_digits_without_needless_exponents(value, digits, shown):
     assert significant(value, digits) == shown
 

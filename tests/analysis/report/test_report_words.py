@@ -1,4 +1,6 @@
-"""What the report says in special cases: nothing put in, no line, single things, many alike, losses switched off."""
+"""What the report says in special cases: nothing put in, no line, single things, many alike, losses
+switched off.
+"""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -42,9 +44,16 @@ def test_nothing_put_in_is_no_percentage(report):
 def test_no_slope_where_no_line_fits(report):
     """chi^2 of 10 has p = 0.44 at 10 degrees of freedom, of 40 p = 2e-5 (tables)."""
     one = Estimate.of(1.0, [(0.05, 50.0)])
-    for chi2, told in ((10.0, "Slope through the origin 0.957"), (40.0, "No straight line describes")):
+    for chi2, told in (
+        (10.0, "Slope through the origin 0.957"),
+        (40.0, "No straight line describes"),
+    ):
         fit = Fit(one, one, chi2, 10)
-        stated = {"slope": 0.957, "U_slope": 0.005} if fit.is_likely else {"slope": None, "U_slope": None}
+        stated = (
+            {"slope": 0.957, "U_slope": 0.005}
+            if fit.is_likely
+            else {"slope": None, "U_slope": None}
+        )
         found = with_agreement(report, **stated, line=fit.row())
         assert fit.is_likely == (fit.row().slope is not None) == (chi2 == 10.0)
         assert any(told in text for text in wording.found(found))
@@ -72,7 +81,18 @@ def test_claims_that_are_not_there_are_not_counted(report):
 
 def test_losses_that_are_switched_off_are_no_causes(report):
     row = CauseRow(
-        "scale", "", "", True, Growth(None, None, None), 430.0, 430.0, "computed", 430.0, "computed", None, ""
+        "scale",
+        "",
+        "",
+        True,
+        Growth(None, None, None),
+        430.0,
+        430.0,
+        "computed",
+        430.0,
+        "computed",
+        None,
+        "",
     )
     losses = [replace(row, cause=name, in_run=False) for name in LOSSES]
     table = causes(replace(report, causes=(*losses, row)))
@@ -80,12 +100,16 @@ def test_losses_that_are_switched_off_are_no_causes(report):
     assert "switched off" in table.note
     table = causes(replace(report, causes=(replace(losses[0], in_run=True), *losses[1:], row)))
     assert len(table.rows) == len(LOSSES) + 1
-    assert [cells[3].text[0] == "(" for cells in table.rows] == [False, *[True] * (len(LOSSES) - 1), False]
+    assert [cells[3].text[0] == "(" for cells in table.rows] == [
+        False,
+        *[True] * (len(LOSSES) - 1),
+        False,
+    ]
 
 
 def test_what_else_was_varied_is_a_column_and_an_axis(report):
     rows = tuple(
-        replace(row, varied={"gap": gap}, acceleration_set=5.0, fill=0.2, bed="slug")
+        replace(row, varied={"gap": gap}, acceleration_set=5.0, fill=0.2, bed="single_mass")
         for row, gap in zip(report.conditions[:3], ("1 mm", "2 mm", "3 mm"), strict=True)
     )
     report = replace(report, conditions=rows)
@@ -96,20 +120,32 @@ def test_what_else_was_varied_is_a_column_and_an_axis(report):
 
 
 def test_many_checks_alike_are_one_sentence():
-    """13 frequencies give 13 nulls and references: one sentence of each verdict, the narrowest named."""
+    """13 frequencies give 13 nulls and references: one sentence of each verdict, the narrowest
+    named.
+    """
     nulls = [NullTest("locked", 38.0, f, 1, None, "undecided", "only 1 level") for f in range(13)]
     masses = [
-        Reference("rigid mass", "empty box", "kg", 12.0 + 0.01 * n, 12.0, 0.2, "holds", f"number {n}")
+        Reference(
+            "rigid mass", "empty box", "kg", 12.0 + 0.01 * n, 12.0, 0.2, "holds", f"number {n}"
+        )
         for n in range(13)
-    ]  # fmt: skip
-    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], nulls, masses, None, [])
+    ]
+    found = verdict(
+        [SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], nulls, masses, None, []
+    )
     told = [text for text in found.reasons if "null" in text or "reference" in text]
     assert told == [
         "The null test with the locked bed is undecided in 13 cases: only 1 level.",
         "The reference rigid mass (empty box) holds in 13 cases, most narrowly: number 12.",
     ]
     wrong = NullTest("locked", 38.0, 20.0, 3, Estimate(2.0, 0.1, 5.0), "does not hold", "too large")
-    found = verdict([SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)], [*nulls, wrong], [], None, [])
+    found = verdict(
+        [SimpleNamespace(chain=None, runs=(), setting=None, beyond=False)],
+        [*nulls, wrong],
+        [],
+        None,
+        [],
+    )
     assert found.failures == ("The null test with the locked bed does not hold: too large.",)
 
 
@@ -124,7 +160,9 @@ def test_many_checks_alike_are_one_sentence():
 @pytest.mark.parametrize("kind", ["optimum", "rise"])
 def test_why_nothing_can_be_compared(kind, W, why):
     results = {name: result(values, name=name) for name, values in W.items()}
-    (claim,) = judged([entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results)
+    (claim,) = judged(
+        [entry(kind, ("a", "b") if kind == "rise" else ("a",), levels=("a", "b"))], results
+    )
     assert claim.verdict == "undecided"
     assert why in claim.why
 
@@ -140,13 +178,22 @@ def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
 
 
 def test_the_papers_words_explain_no_loss_that_is_larger_than_they_can_be(report):
-    """Named by its law, and unexplained unless its size is known and no larger than the word would make it."""
+    """Named by its law, and unexplained unless its size is known and no larger than the word would
+    make it.
+    """
 
     def of(span):
-        rows = [bare(CauseRow, cause=name, in_run=True, over_first_principles=span) for name in ("noise", "air", "gas")]
+        rows = [
+            bare(CauseRow, cause=name, in_run=True, over_first_principles=span)
+            for name in ("noise", "air", "gas")
+        ]
         return replace(report, causes=tuple(rows))
 
-    for span, word in ((Span(3.0, 40.0), "unexplained "), (Span(0.5, 1.0), ""), (None, "unexplained ")):
+    for span, word in (
+        (Span(3.0, 40.0), "unexplained "),
+        (Span(0.5, 1.0), ""),
+        (None, "unexplained "),
+    ):
         told = of(span)
         assert loss_name("noise", told) == f"{word}viscous loss (the paper's noise)"
         assert loss_name("air", told) == f"{word}quadratic loss (the paper's air)"

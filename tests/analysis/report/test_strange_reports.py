@@ -1,4 +1,6 @@
-"""Text from strangers in the report's files, made without the stand: the same elements, whatever the words are."""
+"""Text from strangers in the report's files, made without the stand: the same elements, whatever
+the words are.
+"""
 
 from collections import Counter
 from dataclasses import replace
@@ -18,7 +20,16 @@ from analysis.report.sections import Section
 from analysis.report.tables.cells import Cell, Table
 from analysis.results.report import Report, Resolved
 
-FREE = ("demo", "Is 5 < 6 & true?", "stainless", "208C03", "352C33", "mu", "assumed", "<b>us</b> | me")
+FREE = (
+    "demo",
+    "Is 5 < 6 & true?",
+    "stainless",
+    "208C03",
+    "352C33",
+    "mu",
+    "assumed",
+    "<b>us</b> | me",
+)
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +40,17 @@ def report() -> Report:
 def told(report: Report, texts: list[str]) -> Report:
     """The report whose ids and free text are the texts."""
     ids = [row.id for row in report.conditions]
-    swap = {text: f"{texts[n % len(texts)]}{n if text in ids else ''}" for n, text in enumerate([*ids, *FREE])}
+    swap = {
+        text: f"{texts[n % len(texts)]}{n if text in ids else ''}"
+        for n, text in enumerate([*ids, *FREE])
+    }
     found = Report.of(swapped(report.document(), swap, ids))
     return replace(found, resolved=Resolved(f"a:\n\tb: {texts[0]}\n"))
 
 
-def test_the_report_is_made_of_the_same_elements_whatever_its_words_are(report: Report, tmp_path: Path) -> None:
+def test_the_report_is_made_of_the_same_elements_whatever_its_words_are(
+    report: Report, tmp_path: Path
+) -> None:
     write_report(told(report, ["a", "b", "c"]), tmp_path)
     plain = shape_of(tmp_path)
 
@@ -50,8 +66,12 @@ def test_the_report_is_made_of_the_same_elements_whatever_its_words_are(report: 
 def section(text: str) -> Section:
     """A section with the text at every place that takes one."""
     drawing = Drawing(10, 10, (Word((0, 0), text),), text)
-    table = Table(text, text, (text, "x"), ((Cell(text), Cell("-1", -1.0)), (Cell("x"), Cell(text))))
-    return Section(text, (text, f"{text} x"), (Plot("p", text, text, (drawing, drawing)),), (table, table))
+    table = Table(
+        text, text, (text, "x"), ((Cell(text), Cell("-1", -1.0)), (Cell("x"), Cell(text)))
+    )
+    return Section(
+        text, (text, f"{text} x"), (Plot("p", text, text, (drawing, drawing)),), (table, table)
+    )
 
 
 def shapes(text: str) -> tuple[Counter[str], ...]:

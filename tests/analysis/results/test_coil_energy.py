@@ -12,18 +12,29 @@ from analysis.session.exciter import SessionExciter
 from analysis.uncertainty.budget import certificate_lines
 
 EXCITER = SessionExciter(
-    force_constant=12.0, moving_mass=0.5, flexure_stiffness=9500.0, flexure_damping_ratio=0.07,
-    body_mass=28.0, isolation_stiffness=27600.0, isolation_damping_ratio=0.1, stinger_stiffness=9.7e6,
-    stinger_damping=20.0, force_constant_U=0.01, parts_U=0.1, band=350.0,
-)  # fmt: skip
+    force_constant=12.0,
+    moving_mass=0.5,
+    flexure_stiffness=9500.0,
+    flexure_damping_ratio=0.07,
+    body_mass=28.0,
+    isolation_stiffness=27600.0,
+    isolation_damping_ratio=0.1,
+    stinger_stiffness=9.7e6,
+    stinger_damping=20.0,
+    force_constant_U=0.01,
+    parts_U=0.1,
+    band=350.0,
+)
 FREQUENCY, HARMONICS = 20.0, 12
 SHUNT = Facts("current", "A", calibration_U=0.005, gain_tolerance=0.003, noise_rms=1e-3)
 
 
 def driven(mass: float, damping: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Phasors of current, gauge force and acceleration of a box of `mass` with a dashpot, coil force 100/h^2 N.
+    """Phasors of current, gauge force and acceleration of a box of `mass` with a dashpot, coil
+    force 100/h^2 N.
 
-    Newton's law for armature, body and box as one matrix of dynamic stiffness, solved at each harmonic.
+    Newton's law for armature, body and box as one matrix of dynamic stiffness, solved at each
+    harmonic.
     """
     e = EXCITER
     current, force, acceleration = (np.zeros(HARMONICS, complex) for _ in range(3))
@@ -58,20 +69,27 @@ def test_the_current_tells_the_force_at_the_gauge(mass: float, damping: float) -
     found = coil_force(current, acceleration, FREQUENCY, EXCITER)
     np.testing.assert_allclose(found, force, rtol=1e-9, atol=1e-9 * np.abs(force).max())
     W = sum(
-        h * np.pi * damping * (2 * np.pi * FREQUENCY * h) * abs(a / (2 * np.pi * FREQUENCY * h) ** 2) ** 2
+        h
+        * np.pi
+        * damping
+        * (2 * np.pi * FREQUENCY * h)
+        * abs(a / (2 * np.pi * FREQUENCY * h) ** 2) ** 2
         for h, a in enumerate(acceleration, 1)
     )
     coil = coil_of(current, energy_of(force, acceleration), SHUNT, EXCITER, 20480)
     # round-off of a force that is mostly inertia
     found_W = coil.W
-    assert found_W == pytest.approx(W, rel=1e-9, abs=1e-12 * energy_of(force, acceleration).reactive)
+    assert found_W == pytest.approx(
+        W, rel=1e-9, abs=1e-12 * energy_of(force, acceleration).reactive
+    )
 
 
 def test_its_uncertainty_is_what_scattered_parts_give() -> None:
-    """Monte Carlo: every part and the force constant drawn, the same current and acceleration read with nominal values.
+    """Monte Carlo: every part and the force constant drawn, the same current and acceleration read
+    with nominal values.
 
-    3000 draws state a standard deviation within 1/sqrt(6000) = 1.3 %; a linear budget of 5 % parts is off by terms of
-    second order, some per cent.
+    3000 draws state a standard deviation within 1/sqrt(6000) = 1.3 %; a linear budget of 5 % parts
+    is off by terms of second order, some per cent.
     """
     current, force, acceleration = driven(12.0, 80.0)
     energy = energy_of(force, acceleration)
@@ -80,9 +98,16 @@ def test_its_uncertainty_is_what_scattered_parts_give() -> None:
     rng = np.random.default_rng(1)
     found = []
     for _ in range(3000):
-        drawn = {name: getattr(EXCITER, name) * (1 + 0.05 * rng.standard_normal()) for name in PARTS}
+        drawn = {
+            name: getattr(EXCITER, name) * (1 + 0.05 * rng.standard_normal()) for name in PARTS
+        }
         drawn["force_constant"] = 12.0 * (1 + 0.005 * rng.standard_normal())
-        found.append(energy_of(coil_force(current, acceleration, FREQUENCY, replace(EXCITER, **drawn)), acceleration).W)
+        found.append(
+            energy_of(
+                coil_force(current, acceleration, FREQUENCY, replace(EXCITER, **drawn)),
+                acceleration,
+            ).W
+        )
     assert np.std(found) == pytest.approx(stated, rel=0.06)
 
 
@@ -91,9 +116,14 @@ def test_the_accelerometer_moves_both_estimates_alike() -> None:
     current, force, acceleration = driven(12.0, 80.0)
     energy = energy_of(force, acceleration)
     gauge, ideal = Facts("force", "N", calibration_U=0.01), Facts("acceleration", "m/s^2")
-    poor = Facts("acceleration", "m/s^2", calibration_U=0.05, time_constant=1.6, time_constant_spread=0.2)
+    poor = Facts(
+        "acceleration", "m/s^2", calibration_U=0.05, time_constant=1.6, time_constant_spread=0.2
+    )
     coil = coil_of(current, energy, SHUNT, EXCITER, 20480)
-    lines = [certificate_lines(gauge, channel, FREQUENCY, energy.W, energy.reactive) for channel in (ideal, poor)]
+    lines = [
+        certificate_lines(gauge, channel, FREQUENCY, energy.W, energy.reactive)
+        for channel in (ideal, poor)
+    ]
     good, bad = (coil_estimates([energy] * 4, [coil] * 4, budget, 1e-9) for budget in lines)
     assert bad[0].U > 2 * good[0].U
     assert bad[1].U == good[1].U

@@ -1,4 +1,6 @@
-"""The report as report.json: made from the classes, read back exactly, refused with the place where it is damaged."""
+"""The report as report.json: made from the classes, read back exactly, refused with the place where
+it is damaged.
+"""
 
 import json
 import math
@@ -39,7 +41,9 @@ def test_the_schema_of_the_classes_accepts_it() -> None:
     assert Comparison.of(json.loads(json.dumps(compared))).document() == compared
 
 
-def places(value: Any, shape: Shape, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+def places(
+    value: Any, shape: Shape, path: tuple[str | int, ...] = ()
+) -> Iterator[tuple[str | int, ...]]:
     """Where required keys stand in a document; of a list the first place."""
     match shape:
         case Keys() if isinstance(value, dict):
@@ -66,7 +70,9 @@ def named(path: tuple[str | int, ...]) -> str:
 
 
 def test_there_are_many_places() -> None:
-    """Conditions, their runs and budgets, the agreement and its line, nulls, references, waveforms among them."""
+    """Conditions, their runs and budgets, the agreement and its line, nulls, references, waveforms
+    among them.
+    """
     assert len(PLACES) > 150
 
 
@@ -101,7 +107,9 @@ def test_a_report_is_read_back_from_its_folder(tmp_path: Path) -> None:
     with pytest.raises(AnalysisError, match="is no JSON"):
         read_report(tmp_path)
     (tmp_path / "report.json").write_text(json.dumps({**DOCUMENT, "verdict": "maybe", "later": 1}))
-    with pytest.raises(AnalysisError, match=r"report\.json: verdict is 'maybe', expected one of passes, fails"):
+    with pytest.raises(
+        AnalysisError, match=r"report\.json: verdict is 'maybe', expected one of passes, fails"
+    ):
         read_report(tmp_path)
 
 

@@ -37,7 +37,13 @@ def test_a_single_point_is_a_constant_without_exponent():
 
 def test_a_table_reaches_a_tenth_beyond_its_ends():
     curve = Curve.of([10.0, 20.0], [1.0, 8.0])
-    assert [curve.reaches(a) for a in (8.9, 9.1, 15.0, 21.9, 22.1)] == [False, True, True, True, False]
+    assert [curve.reaches(a) for a in (8.9, 9.1, 15.0, 21.9, 22.1)] == [
+        False,
+        True,
+        True,
+        True,
+        False,
+    ]
 
 
 @pytest.mark.parametrize(("levels", "values"), [([], []), ([1.0], [1.0, 2.0]), ([0.0], [1.0])])
@@ -62,9 +68,11 @@ def test_numbers_given_along_the_curve_are_taken_at_its_middle():
 
 
 def test_the_slope_is_that_of_all_points_nearby():
-    """W rough from level to level: neighbours alone would be off by 0.005 sqrt(2)/0.02, seven points are by a fifth of
-    it. Points beyond do not count."""
+    """W rough from level to level: neighbours alone would be off by 0.005 sqrt(2)/0.02, seven
+    points are by a fifth of it. Points beyond do not count."""
     levels = [3.0 * (1 + 0.01 * n) for n in range(-3, 4)]
     rough = [a**3 * (1 + 0.005 * (-1) ** n) for n, a in enumerate(levels)]
     assert Curve.of(levels, rough).exponent(3.0) == pytest.approx(3.0, abs=0.07)
-    assert Curve.of([*levels, 3.5], [*rough, 100 * 3.5**3]).exponent(3.0) == pytest.approx(3.0, abs=0.07)
+    assert Curve.of([*levels, 3.5], [*rough, 100 * 3.5**3]).exponent(3.0) == pytest.approx(
+        3.0, abs=0.07
+    )

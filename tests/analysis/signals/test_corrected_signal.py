@@ -31,7 +31,9 @@ TIMES = np.arange((SETTLE + CYCLES) * POINTS + 37) / RATE
 
 @given(st.floats(-8.0, 8.0))
 def test_a_delay_is_undone(samples):
-    """The filter is flat to 1e-5 up to .45 of the rate (Kaiser, beta 10, 65 taps); the ends are extrapolated."""
+    """The filter is flat to 1e-5 up to .45 of the rate (Kaiser, beta 10, 65 taps); the ends are
+    extrapolated.
+    """
     found = corrected(motion(TIMES - samples / RATE), lag=samples / RATE).samples()
     assert found[100:-100] == pytest.approx(motion(TIMES)[100:-100], abs=1e-5)
 
@@ -47,7 +49,8 @@ def test_two_poles_are_undone_but_for_a_constant(first, second, offset):
     found = corrected(motion(TIMES, high_pass) + offset, poles).samples()
     apart = (found - motion(TIMES))[slice(*WINDOW)]
     allowed = sum(
-        a * (2 * np.pi * h / POINTS) ** 2 / 12 * sum(1 / (h * OMEGA * tau) for tau in poles) for h, a, _ in PARTS
+        a * (2 * np.pi * h / POINTS) ** 2 / 12 * sum(1 / (h * OMEGA * tau) for tau in poles)
+        for h, a, _ in PARTS
     )
     assert np.abs(apart - apart.mean()).max() <= 2 * allowed + 1e-9 * (1 + abs(offset))
 

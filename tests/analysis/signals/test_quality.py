@@ -1,4 +1,6 @@
-"""What a record tells of its channels, on signals made here: found where it is, and not where there is only scatter."""
+"""What a record tells of its channels, on signals made here: found where it is, and not where there
+is only scatter.
+"""
 
 import dataclasses
 
@@ -26,7 +28,9 @@ def found(x: np.ndarray, smooth: bool = True, settled: float = 20.0) -> tuple[st
 
 
 def test_a_healthy_record_raises_no_doubt() -> None:
-    """300 records of 40 cycles; steps of 10 of their deviations, lone spikes five times the rest: never by chance."""
+    """300 records of 40 cycles; steps of 10 of their deviations, lone spikes five times the rest:
+    never by chance.
+    """
     assert all(found(record(seed)) == () for seed in range(300))
 
 
@@ -40,7 +44,9 @@ def test_alternation_of_a_bed_is_scatter_and_no_step() -> None:
 @pytest.mark.parametrize("cycle", [5, 20, 34])
 def test_each_change_by_its_name(cycle: int) -> None:
     late, whole = np.arange(CYCLES) >= cycle, record()
-    turned = np.concatenate([whole.ravel()[: cycle * POINTS], np.roll(whole.ravel(), 1)[cycle * POINTS :]])
+    turned = np.concatenate(
+        [whole.ravel()[: cycle * POINTS], np.roll(whole.ravel(), 1)[cycle * POINTS :]]
+    )
     slope = 0.1 * np.arange(CYCLES * POINTS).reshape(whole.shape) / whole.size
     louder = np.random.default_rng(1).standard_normal(whole.shape) * 5 * SIGMA * late[:, None]
     spike = np.zeros_like(whole)
@@ -61,11 +67,15 @@ def found_free(x: np.ndarray) -> tuple[str, ...]:
 
 
 def test_a_free_motion_glides_and_is_knocked_at_without_a_fault() -> None:
-    """Phase and size that relax over 2 to 12 cycles by 20 mrad and 2 %, and one cycle with ten times the impacts."""
+    """Phase and size that relax over 2 to 12 cycles by 20 mrad and 2 %, and one cycle with ten
+    times the impacts.
+    """
     t = np.arange(CYCLES * POINTS).reshape(CYCLES, POINTS) / POINTS
     for tau in (2.0, 5.0, 12.0):
         left = 0.02 * np.exp(-t / tau)
-        glides = (1 + left) * 3.0 * np.sin(2 * np.pi * t + left) + (record() - 3.0 * np.sin(2 * np.pi * t))
+        glides = (1 + left) * 3.0 * np.sin(2 * np.pi * t + left) + (
+            record() - 3.0 * np.sin(2 * np.pi * t)
+        )
         assert "clock_slip" in found(glides, smooth=False)
         assert found_free(glides) == ()
     x = record()
@@ -79,7 +89,9 @@ def test_a_fault_of_a_free_motion_is_sudden_or_between_the_impacts(cycle: int) -
     whole = record()
     whole[:, 5::25] += 30 * SIGMA * np.random.default_rng(2).standard_normal(whole[:, 5::25].shape)
     late = np.arange(CYCLES) >= cycle
-    turned = np.concatenate([whole.ravel()[: cycle * POINTS], np.roll(whole.ravel(), 1)[cycle * POINTS :]])
+    turned = np.concatenate(
+        [whole.ravel()[: cycle * POINTS], np.roll(whole.ravel(), 1)[cycle * POINTS :]]
+    )
     loud = (np.abs(np.arange(CYCLES) - cycle) < 4)[:, None]
     noise = np.random.default_rng(1).standard_normal(whole.shape) * 40 * SIGMA * loud
     assert found_free(whole * (1 + 0.01 * late)[:, None]) == ("gain_step",)
@@ -95,13 +107,17 @@ def test_what_is_less_than_the_limits_is_let_pass() -> None:
 
 
 def test_the_start_of_the_poles_is_no_drift() -> None:
-    """A pole of 1.6 s that starts with the drive leaves e^(-t/tau)/(w tau) of the fundamental in the mean."""
+    """A pole of 1.6 s that starts with the drive leaves e^(-t/tau)/(w tau) of the fundamental in
+    the mean.
+    """
     tau = CHANNEL.time_constant
     assert tau is not None
     t = np.arange(CYCLES * POINTS).reshape(CYCLES, POINTS) / POINTS / 20.0
     x = record() + 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau)
     assert found(x, settled=0.5) == ()
-    assert "drift" in found(record() + 10 * 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau), settled=0.5)
+    assert "drift" in found(
+        record() + 10 * 3.0 * np.exp(-(t + 0.5) / tau) / (OMEGA * tau), settled=0.5
+    )
 
 
 def test_stuck_values_and_no_signal() -> None:
@@ -109,7 +125,9 @@ def test_stuck_values_and_no_signal() -> None:
     x[10, 50 : 50 + STUCK] = x[10, 50]
     assert longest_stuck(x.ravel()) == STUCK
     assert "stuck" in found(x)
-    assert "no_signal" in found(record() * 0 + SIGMA * np.random.default_rng(2).standard_normal((CYCLES, POINTS)))
+    assert "no_signal" in found(
+        record() * 0 + SIGMA * np.random.default_rng(2).standard_normal((CYCLES, POINTS))
+    )
     assert longest_stuck(np.repeat(np.arange(1000.0), 3)) == 3
     assert longest_stuck(np.zeros(100)) == 100
 

@@ -16,7 +16,9 @@ def test_exact_grid_starts_at_the_nearest_sample_after_settling_and_delay():
 
 
 def test_as_many_cycles_as_fit():
-    assert whole_cycles(25600, 10240.0, 20.0, filter_delay=38.9375, settle=10, cycles=40).cycles == 39
+    assert (
+        whole_cycles(25600, 10240.0, 20.0, filter_delay=38.9375, settle=10, cycles=40).cycles == 39
+    )
     assert whole_cycles(25600, 10240.0, 20.0).cycles == 50
 
 
@@ -26,13 +28,16 @@ def test_as_many_cycles_as_fit():
     delay=st.floats(6.0, 60.0),
 )  # fmt: skip
 def test_a_record_of_the_campaign_s_length_holds_all_its_cycles(frequency, settle, record, delay):
-    """ceil((settle + record) cycles + delay) + 1 samples: every wanted cycle is found, within the record.
+    """ceil((settle + record) cycles + delay) + 1 samples: every wanted cycle is found, within the
+    record.
 
     The delay (39 samples in the product) leaves room for the interpolation's neighbours.
     """
     rate = 25600.0
     samples = int(np.ceil((settle + record) * rate / frequency + delay)) + 1
-    window = whole_cycles(samples, rate, frequency, filter_delay=delay, settle=settle, cycles=record)
+    window = whole_cycles(
+        samples, rate, frequency, filter_delay=delay, settle=settle, cycles=record
+    )
     parts = window.segments()
     assert sum(part.cycles for part in parts) == record == window.cycles
     assert max(part.cycles for part in parts) <= SEGMENT_CYCLES
@@ -53,7 +58,9 @@ def test_interpolation_is_exact_for_quintics(frequency, degree):
     x = np.arange(samples) / samples
     window = whole_cycles(samples, 10240.0, frequency)
     grid = window.grid
-    at = (window.start + np.arange(window.cycles * grid.points) * grid.period / grid.points) / samples
+    at = (
+        window.start + np.arange(window.cycles * grid.points) * grid.period / grid.points
+    ) / samples
     assert on_grid(x**degree, 0, window) == pytest.approx(at**degree, abs=1e-12)
 
 
@@ -75,5 +82,6 @@ def test_segments_join_to_the_whole():
     for part in window.segments():
         first, last = part.sample_range()
         parts.append(on_grid(samples[first:last], first, part))
-    # Positions are counted from each part's own start: they differ by rounding, 1e-16 of 50000 samples.
+    # Positions are counted from each part's own start: they differ by rounding, 1e-16 of 50000
+    # samples.
     assert np.concatenate(parts) == pytest.approx(whole, abs=1e-9)

@@ -1,4 +1,6 @@
-"""Lines with errors in both axes: published data, the likelihood itself, and what a common calibration does."""
+"""Lines with errors in both axes: published data, the likelihood itself, and what a common
+calibration does.
+"""
 
 import math
 import tracemalloc
@@ -16,7 +18,10 @@ PEARSON = (
     np.array([0.0, 0.9, 1.8, 2.6, 3.3, 4.4, 5.2, 6.1, 6.5, 7.4]),
     np.array([5.9, 5.4, 4.4, 4.6, 3.5, 3.7, 2.8, 2.8, 2.4, 1.5]),
 )
-YORK = np.array([1000, 1000, 500, 800, 200, 80, 60, 20, 1.8, 1.0]), np.array([1, 1.8, 4, 8, 20, 20, 70, 70, 100, 500.0])
+YORK = (
+    np.array([1000, 1000, 500, 800, 200, 80, 60, 20, 1.8, 1.0]),
+    np.array([1, 1.8, 4, 8, 20, 20, 70, 70, 100, 500.0]),
+)
 
 
 def independent(of_x, of_y):
@@ -30,7 +35,9 @@ def test_pearson_s_data_with_york_s_weights():
     found = fitted(x, y, independent(1 / YORK[0], 1 / YORK[1]))
     assert found.slope == pytest.approx(-0.480533407, abs=1e-9)
     assert found.intercept == pytest.approx(5.47991022, abs=1e-8)
-    assert np.sqrt(np.diag(found.covariance)) == pytest.approx([0.0579850090, 0.294970735], rel=1e-5)
+    assert np.sqrt(np.diag(found.covariance)) == pytest.approx(
+        [0.0579850090, 0.294970735], rel=1e-5
+    )
     assert found.chi2 == pytest.approx(11.8663531941, rel=1e-9)
     assert found.dof == 8
 
@@ -42,7 +49,9 @@ def positive(rng, n):
 
 
 def as_sources(V):
-    """Errors with the joint covariance V, (2m, 2m): half of its least eigenvalue is each coordinate's own."""
+    """Errors with the joint covariance V, (2m, 2m): half of its least eigenvalue is each
+    coordinate's own.
+    """
     m = len(V) // 2
     own = np.full(m, np.linalg.eigvalsh(V)[0] / 2)
     common = np.linalg.cholesky(V - own[0] * np.eye(2 * m))
@@ -51,12 +60,16 @@ def as_sources(V):
 
 @pytest.mark.parametrize("origin", [False, True])
 def test_the_line_is_the_most_likely_one(origin):
-    """Full covariance of all x and y: against a minimiser over the slope, the intercept and every true x."""
+    """Full covariance of all x and y: against a minimiser over the slope, the intercept and every
+    true x.
+    """
     rng = np.random.default_rng(5)
     m = 6
     V = positive(rng, 2 * m)
     true = np.linspace(1, 4, m)
-    x, y = np.split(np.concatenate([true, 1.3 * true]) + np.linalg.cholesky(V) @ rng.standard_normal(2 * m), 2)
+    x, y = np.split(
+        np.concatenate([true, 1.3 * true]) + np.linalg.cholesky(V) @ rng.standard_normal(2 * m), 2
+    )
     found = fitted(x, y, as_sources(V), origin)
     root = np.linalg.cholesky(np.linalg.inv(V)).T
 
@@ -65,14 +78,17 @@ def test_the_line_is_the_most_likely_one(origin):
         return root @ np.concatenate([x - at, y - slope * at - intercept])
 
     best = optimize.least_squares(apart, [1.0, 0.0, *x], xtol=1e-14, ftol=1e-14, gtol=1e-14)
-    # a minimum found from its value is good to the root of rounding, 1e-8, times the curvature of this one
+    # a minimum found from its value is good to the root of rounding, 1e-8, times the curvature of
+    # this one
     assert found.slope == pytest.approx(best.x[0], abs=1e-6)
     assert found.intercept == pytest.approx(0.0 if origin else best.x[1], abs=1e-6)
     assert found.chi2 == pytest.approx(2 * best.cost, rel=1e-9)
 
 
 def test_derivatives_are_those_of_the_fit():
-    """`to_y` against a finite change of one y, for errors small against the spread of the points (first order)."""
+    """`to_y` against a finite change of one y, for errors small against the spread of the points
+    (first order).
+    """
     rng = np.random.default_rng(6)
     x = np.linspace(1, 4, 5)
     y = 1.1 * x + 0.2 + 1e-4 * rng.standard_normal(5)
@@ -82,7 +98,9 @@ def test_derivatives_are_those_of_the_fit():
         moved = fitted(x, y + h * np.eye(5)[i], errors)
         # second order: residual over spread, 1e-4
         assert (moved.slope - base.slope) / h == pytest.approx(base.to_y[i], abs=1e-3)
-        assert (moved.intercept - base.intercept) / h == pytest.approx(base.offset_to_y[i], abs=1e-3)
+        assert (moved.intercept - base.intercept) / h == pytest.approx(
+            base.offset_to_y[i], abs=1e-3
+        )
 
 
 def test_too_few_points_and_no_covariance():
@@ -103,9 +121,11 @@ def with_matrices(x, y, errors, origin):
     V_x, V_y, V_xy = (
         exact.diag([exact.mpf(float(v)) for v in own]) + one * other.T
         for own, one, other in (
-            (errors.own_x, C_x, C_x), (errors.own_y, C_y, C_y), (errors.own_xy, C_x, C_y),
+            (errors.own_x, C_x, C_x),
+            (errors.own_y, C_y, C_y),
+            (errors.own_xy, C_x, C_y),
         )
-    )  # fmt: skip
+    )
     ones = exact.matrix([1] * m)
     slope, intercept = exact.mpf(fitted(x, y, errors, origin).slope), exact.mpf(0)
     for _ in range(4):  # from 12 digits on, a few more each
@@ -117,13 +137,16 @@ def with_matrices(x, y, errors, origin):
         design = at if origin else exact.matrix([[at[i], 1] for i in range(m)])
         covariance = exact.inverse(design.T * weight * design)
         slope += (covariance * design.T * weight * residual)[0]
-    return [float(v) for v in (slope, intercept, (residual.T * weight * residual)[0], covariance[0, 0])]
+    return [
+        float(v) for v in (slope, intercept, (residual.T * weight * residual)[0], covariance[0, 0])
+    ]
 
 
 @pytest.mark.parametrize("origin", [False, True])
 def test_low_rank_is_the_full_covariance(origin):
-    """An error in common of 3 % beside own ones of 0.01 to 1 %, as instruments make them: the parts in common are up to
-    300 times a point's own, which costs an inverse half of its digits (1e5 in the covariance) and this form none."""
+    """An error in common of 3 % beside own ones of 0.01 to 1 %, as instruments make them: the parts
+    in common are up to 300 times a point's own, which costs an inverse half of its digits (1e5 in
+    the covariance) and this form none."""
     rng = np.random.default_rng(9)
     m, r = 8, 3
     x = np.geomspace(1e-3, 1.0, m)
@@ -144,13 +167,17 @@ def test_low_rank_is_the_full_covariance(origin):
 
 
 def test_memory_of_a_line_grows_as_its_points():
-    """Twice the points, twice the peak: a matrix of points by points would be 32 MB for 2000, and four times that."""
+    """Twice the points, twice the peak: a matrix of points by points would be 32 MB for 2000, and
+    four times that.
+    """
     rng = np.random.default_rng(3)
     peaks = []
     for m in (1000, 2000):
         x, common = np.geomspace(1e-3, 1.0, m), 0.03 * rng.standard_normal((m, 12))
         y = 1.07 * x * (1 + common @ rng.standard_normal(12) / 12)
-        errors = Errors((1e-3 * x) ** 2, (1e-3 * x) ** 2, 0 * x, x[:, None] * common, y[:, None] * common)
+        errors = Errors(
+            (1e-3 * x) ** 2, (1e-3 * x) ** 2, 0 * x, x[:, None] * common, y[:, None] * common
+        )
         tracemalloc.start()
         fitted(x, y, errors)
         peaks.append(tracemalloc.get_traced_memory()[1])
@@ -159,14 +186,18 @@ def test_memory_of_a_line_grows_as_its_points():
 
 
 def test_lines_through_conditions_cover_the_true_slope():
-    """400 sessions of six conditions, a calibration of 3 % common to all and refills that scatter by 5 %: the intervals
-    of slope and intercept hold the truth in 95 %, within the 99.9 % binomial band, and the slope is not pulled down."""
+    """400 sessions of six conditions, a calibration of 3 % common to all and refills that scatter
+    by 5 %: the intervals of slope and intercept hold the truth in 95 %, within the 99.9 % binomial
+    band, and the slope is not pulled down."""
     rng = np.random.default_rng(12)
     W_T = np.geomspace(0.01, 1.0, 6)
     hit, slopes, count = np.zeros(3), [], 400
     for _ in range(count):
         factor = 1.07 * (1 + 0.03 * rng.standard_normal())
-        rows = [result(w * factor * (1 + 0.05 * rng.standard_normal(4)), W_T=float(w), scale=0.03) for w in W_T]
+        rows = [
+            result(w * factor * (1 + 0.05 * rng.standard_normal(4)), W_T=float(w), scale=0.03)
+            for w in W_T
+        ]
         through, line = line_through(rows, origin=True), line_through(rows)
         slopes.append(through.slope.value)
         hit += (
@@ -176,7 +207,8 @@ def test_lines_through_conditions_cover_the_true_slope():
         )
     low, high = stats.binom.ppf([0.0005, 0.9995], count, 0.95)
     assert ((low <= hit) & (hit <= high)).all(), hit
-    # the mean of 400 slopes, each uncertain by the root of 3 %^2 + 5 %^2/24: four of its own standard deviations
+    # the mean of 400 slopes, each uncertain by the root of 3 %^2 + 5 %^2/24: four of its own
+    # standard deviations
     assert np.mean(slopes) == pytest.approx(
         1.07, abs=4 * 1.07 * math.hypot(0.03, 0.05 / math.sqrt(24)) / math.sqrt(count)
     )

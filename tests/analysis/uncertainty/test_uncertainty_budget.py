@@ -33,7 +33,9 @@ from analysis.uncertainty.estimate import Estimate, coverage_factor, effective_d
 
 
 def test_gauge_block_of_gum_annex_h1():
-    """GUM H.1: parts of 25 nm (nu 18), 9.7 nm (25.6), 2.9 nm (50) and 16.6 nm (2) make u_c = 32 nm with nu = 16.7."""
+    """GUM H.1: parts of 25 nm (nu 18), 9.7 nm (25.6), 2.9 nm (50) and 16.6 nm (2) make u_c = 32 nm
+    with nu = 16.7.
+    """
     parts = [(25.0, 18.0), (9.7, 25.6), (2.9, 50.0), (16.6, 2.0)]
     assert combine(0, parts).u == pytest.approx(32, abs=0.5)
     assert effective_dof(parts) == pytest.approx(16.7, abs=0.2)
@@ -53,8 +55,9 @@ def test_coverage_factor_is_student_s(nu):
 
 
 def coverage(nu, apart, k_of):
-    """Share of the intervals that hold the truth, by quadrature over the scatter of nu + 1 values whose mean has the
-    standard deviation 1, beside a known uncertainty `apart`; k_of: from the two standard uncertainties."""
+    """Share of the intervals that hold the truth, by quadrature over the scatter of nu + 1 values
+    whose mean has the standard deviation 1, beside a known uncertainty `apart`; k_of: from the two
+    standard uncertainties."""
     chance = (np.arange(400) + 0.5) / 400
     found = np.sqrt(stats.chi2.ppf(chance, nu) / nu)
     U = np.array([k_of(s, apart) * math.hypot(s, apart) for s in found])
@@ -64,9 +67,13 @@ def coverage(nu, apart, k_of):
 APART = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0)
 
 
-@pytest.mark.parametrize(("nu", "least", "most"), [(2, 0.940, 0.960), (3, 0.946, 0.958), (7, 0.949, 0.954)])
+@pytest.mark.parametrize(
+    ("nu", "least", "most"), [(2, 0.940, 0.960), (3, 0.946, 0.958), (7, 0.949, 0.954)]
+)
 def test_few_repeats_beside_a_certificate_are_covered(nu, least, most):
-    """Within 1 % with three repeats, 0.7 % with four, where Welch-Satterthwaite's k covers as little as 92 %."""
+    """Within 1 % with three repeats, 0.7 % with four, where Welch-Satterthwaite's k covers as
+    little as 92 %.
+    """
 
     def welch(s, u):
         return coverage_factor(effective_dof([(s, nu), (u, math.inf)]))
@@ -83,10 +90,13 @@ def test_few_repeats_beside_a_certificate_are_covered(nu, least, most):
 @pytest.mark.parametrize("nus", [(1.0, 60.0), (2.0, math.inf), (3.0, 50.0)])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
 def test_k_of_two_groups_is_the_quantile_of_their_posterior(nus, share):
-    """Against draws from the posterior as it is written: prior (s1 s2)^-2.4 (s1^2 + s2^2)^0.7, so that nu s^2/chi^2
-    with nu + 1.4 degrees of freedom are drawn and weighted with their sum's power. 5 standard errors of 4e5 draws."""
+    """Against draws from the posterior as it is written: prior (s1 s2)^-2.4 (s1^2 + s2^2)^0.7, so
+    that nu s^2/chi^2 with nu + 1.4 degrees of freedom are drawn and weighted with their sum's
+    power. 5 standard errors of 4e5 draws."""
     rng, n = np.random.default_rng(5), 400_000
-    estimate = Estimate.of(1.0, [(math.sqrt(u), nu) for u, nu in zip((share, 1 - share), nus, strict=True)])
+    estimate = Estimate.of(
+        1.0, [(math.sqrt(u), nu) for u, nu in zip((share, 1 - share), nus, strict=True)]
+    )
     total = sum(
         u * (np.ones(n) if math.isinf(nu) else nu / rng.chisquare(nu + 1.4, n))
         for u, nu in zip((share, 1 - share), nus, strict=True)
@@ -104,8 +114,12 @@ def test_k_of_two_groups_is_the_quantile_of_their_posterior(nus, share):
 def test_a_group_alone_has_student_s_k():
     """One group, and in the limit of a share that vanishes beside the other."""
     assert Estimate.of(0.0, [(1.0, 3.0), (1.0, 3.0)]).k == pytest.approx(stats.t.ppf(0.975, 6))
-    assert Estimate.of(0.0, [(1.0, 3.0), (1e-6, math.inf)]).k == pytest.approx(stats.t.ppf(0.975, 3), rel=1e-4)
-    assert Estimate.of(0.0, [(1e-6, 3.0), (1.0, 50.0)]).k == pytest.approx(stats.t.ppf(0.975, 50), rel=1e-4)
+    assert Estimate.of(0.0, [(1.0, 3.0), (1e-6, math.inf)]).k == pytest.approx(
+        stats.t.ppf(0.975, 3), rel=1e-4
+    )
+    assert Estimate.of(0.0, [(1e-6, 3.0), (1.0, 50.0)]).k == pytest.approx(
+        stats.t.ppf(0.975, 50), rel=1e-4
+    )
     assert Estimate.of(0.0, []).p() == 1.0
     assert Estimate(3.0, 1.5, 4.0).p() == pytest.approx(2 * stats.t.sf(2, 4))
 
@@ -124,7 +138,9 @@ def test_scatter_is_the_standard_deviation_of_the_mean():
 
 
 def test_certificate_lines_are_the_derivatives_of_the_energy():
-    """Each line's c against a finite change of that instrument error, through the whole analysis of a signal."""
+    """Each line's c against a finite change of that instrument error, through the whole analysis of
+    a signal.
+    """
     a0, mass, c = 5.0, 38.0, 400.0
     t = drive_time(8 * 512, delay=0)
     a, v = motion(t, a0)
@@ -150,7 +166,9 @@ def test_certificate_lines_are_the_derivatives_of_the_energy():
     base = energy()
     lines = {
         line.source: line
-        for line in certificate_lines(NOMINAL["force"], NOMINAL["acceleration"], FREQUENCY, base.W, base.reactive)
+        for line in certificate_lines(
+            NOMINAL["force"], NOMINAL["acceleration"], FREQUENCY, base.W, base.reactive
+        )
     }
     h = 1e-3
     found = {
@@ -162,7 +180,8 @@ def test_certificate_lines_are_the_derivatives_of_the_energy():
     M, eta = base.M_eff, base.eta
     for source, moved in found.items():
         line = lines[source]
-        # Second-order terms: h; the pole's change of amplitude, left out of the line: tan(phase) of it.
+        # Second-order terms: h; the pole's change of amplitude, left out of the line: tan(phase) of
+        # it.
         assert line.c == pytest.approx((moved.W - base.W) / h, rel=3e-2, abs=1e-3 * abs(base.W))
         of_mass, of_loss = (line.ratio - line.turn * eta) * M, line.turn * (1 + eta**2)
         assert of_mass == pytest.approx((moved.M_eff - M) / h, rel=3e-2, abs=1e-3 * M)
@@ -171,10 +190,15 @@ def test_certificate_lines_are_the_derivatives_of_the_energy():
 
 
 def test_mass_and_loss_scatter_as_their_noise_says():
-    """300 records with white noise: the standard deviations are known to 1/sqrt(600) = 4 %, three of them allowed."""
+    """300 records with white noise: the standard deviations are known to 1/sqrt(600) = 4 %, three
+    of them allowed.
+    """
     rng, noise, n, a0, mass, c = np.random.default_rng(5), (2.0, 0.02), 8 * 512, 5.0, 38.0, 4000.0
     a, v = motion(drive_time(n, delay=0), a0)
-    signals = [(mass * a + c * v + noise[0] * f, a + noise[1] * g) for f, g in rng.standard_normal((300, 2, n))]
+    signals = [
+        (mass * a + c * v + noise[0] * f, a + noise[1] * g)
+        for f, g in rng.standard_normal((300, 2, n))
+    ]
     found = [dissipated_energy(force, own, 10240.0, FREQUENCY) for force, own in signals]
     facts = [
         dataclasses.replace(IDEAL[name], noise_rms=rms)
@@ -189,31 +213,47 @@ def test_mass_and_loss_scatter_as_their_noise_says():
 
 def test_ideal_instruments_have_no_lines_and_a_resolution_only():
     assert certificate_lines(IDEAL["force"], IDEAL["acceleration"], 20.0, 1.0, 1.0) == ()
-    assert pytest.approx(1e-5, rel=0.03) == angle_uncertainty(IDEAL["force"], IDEAL["acceleration"], 20.0).U
+    assert (
+        pytest.approx(1e-5, rel=0.03)
+        == angle_uncertainty(IDEAL["force"], IDEAL["acceleration"], 20.0).U
+    )
 
 
 def test_noise_of_the_energy_is_what_noise_does_to_it():
-    """Standard deviation over 400 noisy copies against the formula: its own relative error is 1/sqrt(800) = 3.5 %."""
+    """Standard deviation over 400 noisy copies against the formula: its own relative error is
+    1/sqrt(800) = 3.5 %.
+    """
     rng = np.random.default_rng(3)
     t = drive_time(10 * 512, delay=0)
     a, v = motion(t, 5.0)
     force = 38 * a + 400 * v
     W = [
         dissipated_energy(
-            force + 0.02 * rng.standard_normal(t.size), a + 5e-4 * rng.standard_normal(t.size), 10240.0, 20.0
+            force + 0.02 * rng.standard_normal(t.size),
+            a + 5e-4 * rng.standard_normal(t.size),
+            10240.0,
+            20.0,
         ).W_phasor
         for _ in range(400)
     ]
-    expected = noise_of(dissipated_energy(force, a, 10240.0, 20.0), NOMINAL["force"], NOMINAL["acceleration"], t.size)
+    expected = noise_of(
+        dissipated_energy(force, a, 10240.0, 20.0),
+        NOMINAL["force"],
+        NOMINAL["acceleration"],
+        t.size,
+    )
     assert np.std(W) == pytest.approx(expected, rel=4 * 0.035)
 
 
 @pytest.mark.parametrize("count", [80, pytest.param(400, marks=pytest.mark.slow)])
 def test_stated_intervals_cover(count):
-    """Sessions with instruments drawn from their certificates and beds that scatter: W_exp +- U and ratio +- U_ratio
-    hold the truth in 95 % of them, within the 99.9 % binomial band (of 80: .86 to 1; of 400: .91 to .98)."""
+    """Sessions with instruments drawn from their certificates and beds that scatter: W_exp +- U and
+    ratio +- U_ratio hold the truth in 95 % of them, within the 99.9 % binomial band (of 80: .86 to
+    1; of 400: .91 to .98)."""
     rng = np.random.default_rng(11)
-    table = [condition(f"c{i}", acceleration_set=a, record_cycles=4) for i, a in enumerate((2.0, 4.0))]
+    table = [
+        condition(f"c{i}", acceleration_set=a, record_cycles=4) for i, a in enumerate((2.0, 4.0))
+    ]
     mean_c, spread = 200.0, 0.02
     prediction = prediction_for(table, lambda _entry, a: dashpot_energy(mean_c, a))
     hit = {"W_exp": 0, "ratio": 0}
@@ -223,8 +263,14 @@ def test_stated_intervals_cover(count):
         gains = (1 + 0.005 * z[0]) * (1 + flat[0]), (1 + 0.005 * z[1]) * (1 + flat[1])
         turn = math.atan(1 / (OMEGA * 1.6 * math.exp(0.1 * z[2]))) - math.atan(1 / (OMEGA * 1.6))
         scatter = iter(rng.normal(1.0, spread, 8))
-        bench = Bench(channels=dict(NOMINAL), gains=gains, turn=turn, noise=(0.02, 5e-4), samples=16 * 512)
-        report = read_session(session(table, lambda *_, c=scatter: mean_c * next(c), bench, rng, prediction=prediction))
+        bench = Bench(
+            channels=dict(NOMINAL), gains=gains, turn=turn, noise=(0.02, 5e-4), samples=16 * 512
+        )
+        report = read_session(
+            session(
+                table, lambda *_, c=scatter: mean_c * next(c), bench, rng, prediction=prediction
+            )
+        )
         row = report.conditions[1]
         hit["W_exp"] += abs(row.W_exp - dashpot_energy(mean_c, 4.0)) <= row.U_W_exp
         hit["ratio"] += abs(report.agreement.ratio - 1) <= report.agreement.U_ratio
@@ -234,19 +280,30 @@ def test_stated_intervals_cover(count):
 
 
 def test_what_a_prediction_is_uncertain_by_stands_in_its_budget():
-    """Reading between levels is wrong in each condition anew and adds in quadrature over conditions; numerics and
-    settling are alike in all and add up: on the ratio of n equal conditions u/sqrt(n) and u."""
-    table = [condition(f"c{i}", acceleration_set=3.0, settle_cycles=2, record_cycles=8) for i in range(4)]
+    """Reading between levels is wrong in each condition anew and adds in quadrature over
+    conditions; numerics and settling are alike in all and add up: on the ratio of n equal
+    conditions u/sqrt(n) and u."""
+    table = [
+        condition(f"c{i}", acceleration_set=3.0, settle_cycles=2, record_cycles=8) for i in range(4)
+    ]
     found = {}
     for name in ("u_rel", "u_levels", "u_settling"):
         prediction = prediction_for(table, lambda _entry, a: dashpot_energy(300.0, a))
         for entry in prediction["conditions"].values():
             entry[name] = 0.02
         bench = Bench(channels=dict(IDEAL), samples=11 * 512)
-        record = session(table, lambda _entry, _repeat: 300.0, bench, np.random.default_rng(1), prediction=prediction)
+        record = session(
+            table,
+            lambda _entry, _repeat: 300.0,
+            bench,
+            np.random.default_rng(1),
+            prediction=prediction,
+        )
         found[name] = read_session(record)
     sources = {name: report.conditions[0].uncertainty_W_T for name, report in found.items()}
-    assert {name: [line.source for line in lines if line.u == 0.02] for name, lines in sources.items()} == {
+    assert {
+        name: [line.source for line in lines if line.u == 0.02] for name, lines in sources.items()
+    } == {
         "u_rel": ["prediction numerics"],
         "u_levels": ["prediction between levels"],
         "u_settling": ["settling of the bed"],
@@ -255,6 +312,12 @@ def test_what_a_prediction_is_uncertain_by_stands_in_its_budget():
         row = report.conditions[0]
         assert pytest.approx(1.96 * 0.02, rel=1e-2) == row.U_W_T / row.W_T
         assert sum(line.share for line in row.uncertainty_W_T) == pytest.approx(1.0)
-    ratios = {name: report.agreement.U_ratio / report.agreement.ratio for name, report in found.items()}
+    ratios = {
+        name: report.agreement.U_ratio / report.agreement.ratio for name, report in found.items()
+    }
     assert ratios["u_levels"] == pytest.approx(1.96 * 0.02 / 2, rel=1e-2)
-    assert ratios["u_rel"] == pytest.approx(ratios["u_settling"]) == pytest.approx(1.96 * 0.02, rel=1e-2)
+    assert (
+        ratios["u_rel"]
+        == pytest.approx(ratios["u_settling"])
+        == pytest.approx(1.96 * 0.02, rel=1e-2)
+    )

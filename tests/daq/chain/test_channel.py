@@ -64,7 +64,9 @@ def test_leaving_the_pole_out_changes_no_other_draw() -> None:
 @pytest.mark.parametrize("quantity", ["force", "acceleration"])
 def test_ideal_instruments_are_what_their_certificate_says(quantity: str) -> None:
     channel = Channel(quantity, ideal_transducer(quantity), 10.0, "", "+x")  # type: ignore[arg-type]
-    assert draw_state(channel, ideal_analyzer(), np.random.default_rng(1)) == certified_state(channel)
+    assert draw_state(channel, ideal_analyzer(), np.random.default_rng(1)) == certified_state(
+        channel
+    )
     assert draw_clock_error(ideal_analyzer(), np.random.default_rng(1)) == 0.0
     assert channel_info(channel, ideal_analyzer(), 10240.0, 39.0).noise_rms == 0.0
 

@@ -1,4 +1,6 @@
-"""What volts go through before the filter: each stage against its closed form, and nothing where it is absent."""
+"""What volts go through before the filter: each stage against its closed form, and nothing where it
+is absent.
+"""
 
 import dataclasses
 import math
@@ -11,11 +13,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from daq.chain.channel import Channel, ChannelState, TransducerSpec, certified_state, draw_state, ideal_analyzer
+from daq.chain.channel import (
+    Channel,
+    ChannelState,
+    TransducerSpec,
+    certified_state,
+    draw_state,
+    ideal_analyzer,
+)
 from daq.chain.conditioning import Bend, Clip, Conditioned, HighPass, Resonance, Stage, conditioned
 from daq.chain.transducer import Transduced
 
-SPEC = TransducerSpec("352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01, clips_at=5.0)
+SPEC = TransducerSpec(
+    "352C33", "acceleration", "m/s^2", 0.0102, 490.0, 1.6, 0.1, 1.5e-3, 1e4, 0.01, clips_at=5.0
+)
 FULL = dataclasses.replace(SPEC, linearity=0.01, resonance=50e3, resonance_damping=0.02)
 
 STAGES: dict[str, Callable[[], Stage]] = {
@@ -37,8 +48,9 @@ def test_reads_of_any_size_give_the_same(stage: str, cuts: Sequence[int]) -> Non
 @pytest.mark.parametrize("f0", [2e3, 20e3, 36e3, 50e3, 300e3])
 @pytest.mark.parametrize("frequency", [0.002, 0.05, 0.2, 0.45])
 def test_a_resonance_lifts_the_pass_band_as_it_should(f0: float, frequency: float) -> None:
-    """Gain 1/(1 - r^2 + 2j d r), r = f/f0: exactly that at the warped frequency, against scipy.signal; and within
-    (w h)^2/6 of r (to next order, and near resonance divided by the distance to it) at the true one."""
+    """Gain 1/(1 - r^2 + 2j d r), r = f/f0: exactly that at the warped frequency, against
+    scipy.signal; and within (w h)^2/6 of r (to next order, and near resonance divided by the
+    distance to it) at the true one."""
     damping = 0.05
     w0 = 2 * np.pi * f0
     b, a = signal.bilinear([w0**2], [1, 2 * damping * w0, w0**2], OVERSAMPLED)
@@ -51,11 +63,16 @@ def test_a_resonance_lifts_the_pass_band_as_it_should(f0: float, frequency: floa
     found = signal.freqz(b, a, worN=[turn])[1][0]
     exact = 1 / (1 - r**2 + 2j * damping * r)
     if r < 0.7:
-        assert abs(found - exact) <= 1.1 * turn**2 / 6 * abs(r**2 * exact) / (1 - r**2) + 1.1 * turn**2 / 12 * 0.1 * r
+        assert (
+            abs(found - exact)
+            <= 1.1 * turn**2 / 6 * abs(r**2 * exact) / (1 - r**2) + 1.1 * turn**2 / 12 * 0.1 * r
+        )
 
 
 def test_a_bend_makes_the_harmonics_of_its_polynomial() -> None:
-    """x (1 + e x + o x^2) of a sine A: second harmonic e A^2/2, third o A^3/4, first A (1 + 3/4 o A^2)."""
+    """x (1 + e x + o x^2) of a sine A: second harmonic e A^2/2, third o A^3/4, first A (1 + 3/4 o
+    A^2).
+    """
     n, amplitude, even, odd, full = 1000, 3.0, 2e-3, 5e-3, 5.0
     volts = amplitude * np.sin(2 * np.pi * np.arange(n) / n)
     Bend(even, odd, full).apply(volts)
@@ -72,7 +89,9 @@ def test_an_iepe_sensor_clips_before_the_range_ends() -> None:
     volts = source.volts(8 * 500)
     # the coupling, 0.5 Hz, takes 1 - e^(-2 pi 0.5 t) of the mean of a half wave at most
     assert np.abs(volts).max() < 5.0 * (1 + 2 * math.pi * 0.5 * 500 / RATE)
-    assert np.mean(np.abs(np.diff(volts[0])) < 1e-3) > 0.4  # flat tops: |sin| > 5/8 for 57 % of the time
+    assert (
+        np.mean(np.abs(np.diff(volts[0])) < 1e-3) > 0.4
+    )  # flat tops: |sin| > 5/8 for 57 % of the time
 
 
 def test_the_coupling_is_one_more_pole() -> None:
@@ -90,7 +109,9 @@ def test_an_absent_stage_is_not_there() -> None:
 
 
 def test_what_is_drawn_is_what_is_built() -> None:
-    """A bend within half the linearity each, a corner within its tolerance; the first three draws are as ever."""
+    """A bend within half the linearity each, a corner within its tolerance; the first three draws
+    are as ever.
+    """
     channel = Channel("a", FULL, 10.0, "", "+x", coupling="AC", corner=0.5)
     analyzer = dataclasses.replace(ideal_analyzer(), ac_tolerance=0.1, skew=1e-7)
     states = [draw_state(channel, analyzer, np.random.default_rng(i)) for i in range(300)]
@@ -100,10 +121,17 @@ def test_what_is_drawn_is_what_is_built() -> None:
         (np.array([s.skew for s in states]), 1e-7),
     ):
         assert np.abs(values).max() <= half
-        assert values.std() == pytest.approx(half / math.sqrt(3), rel=5 / math.sqrt(2 * len(values)))
-    plain = draw_state(Channel("a", SPEC, 10.0, "", "+x"), ideal_analyzer(), np.random.default_rng(3))
+        assert values.std() == pytest.approx(
+            half / math.sqrt(3), rel=5 / math.sqrt(2 * len(values))
+        )
+    plain = draw_state(
+        Channel("a", SPEC, 10.0, "", "+x"), ideal_analyzer(), np.random.default_rng(3)
+    )
     assert (plain.corner, plain.skew, plain.bend) == (None, 0.0, (0.0, 0.0))
-    assert (plain.sensitivity, plain.time_constant) == (states[3].sensitivity, states[3].time_constant)
+    assert (plain.sensitivity, plain.time_constant) == (
+        states[3].sensitivity,
+        states[3].time_constant,
+    )
 
 
 def test_a_row_of_stages_for_every_channel() -> None:

@@ -28,7 +28,9 @@ def filtered(volts: np.ndarray) -> np.ndarray:
 
 @settings(max_examples=15, deadline=None)
 @given(amplitude=st.floats(8.0, 14.0), frequency=st.floats(0.001, 0.1), size=st.integers(16, 400))
-def test_overload_bits_stand_exactly_where_the_range_is_exceeded(amplitude: float, frequency: float, size: int) -> None:
+def test_overload_bits_stand_exactly_where_the_range_is_exceeded(
+    amplitude: float, frequency: float, size: int
+) -> None:
     volts = filtered(Analytic(tone(amplitude, frequency)).read(8 * BLOCK)[0])
     acquisition = Emulated(Analytic(tone(amplitude, frequency)), front_end())
     lsb = 10.0 / 2**23
@@ -38,7 +40,9 @@ def test_overload_bits_stand_exactly_where_the_range_is_exceeded(amplitude: floa
         assert block.start == start
         assert bool(block.flags[0] & Flag.OVERLOAD_HI) == bool((part > 10.0 - 1.5 * lsb).any())
         assert bool(block.flags[0] & Flag.OVERLOAD_LO) == bool((part < -10.0 + 0.5 * lsb).any())
-        assert block.clipped[0] == np.count_nonzero((part > 10.0 - 1.5 * lsb) | (part < -10.0 + 0.5 * lsb))
+        assert block.clipped[0] == np.count_nonzero(
+            (part > 10.0 - 1.5 * lsb) | (part < -10.0 + 0.5 * lsb)
+        )
 
 
 def test_the_overload_of_one_channel_is_its_own() -> None:
@@ -94,7 +98,9 @@ def pulses(volts: float, every: int) -> Callable[[np.ndarray], np.ndarray]:
 @settings(max_examples=10, deadline=None)
 @given(size=st.integers(1, 3000))
 def test_a_sensor_that_clips_is_flagged_though_no_code_shows_it(size: int) -> None:
-    """20 V for an eighth of a sample, every 800th sample: the filter leaves less than an eighth of the sensor's 5 V."""
+    """20 V for an eighth of a sample, every 800th sample: the filter leaves less than an eighth of
+    the sensor's 5 V.
+    """
     spec = replace(ideal_transducer("force"), clips_at=5.0)
     channel = Channel("a", spec, 10.0, "", "+x", coupling="IEPE")
     states = [ChannelState(1.0, None, 1.0)]
@@ -106,7 +112,9 @@ def test_a_sensor_that_clips_is_flagged_though_no_code_shows_it(size: int) -> No
 
     found = blocks()
     assert max(np.abs(block.codes).max() for block in found) * 10.0 / 2**23 < 1.2 * 5.0 / 8
-    for block in found:  # the pulse of sample 800 k is in the middle of what the filter delays by 39 samples
+    for block in (
+        found
+    ):  # the pulse of sample 800 k is in the middle of what the filter delays by 39 samples
         inside = sum(block.start <= 800 * k + 39 < block.start + size for k in range(9))
         assert block.clipped[0] == inside
         assert bool(block.flags[0] & Flag.SENSOR_CLIP) == (inside > 0)
@@ -114,8 +122,20 @@ def test_a_sensor_that_clips_is_flagged_though_no_code_shows_it(size: int) -> No
 
 
 def test_a_clipped_pulse_is_where_the_codes_have_it() -> None:
-    source = conditioned(Analytic(pulses(20.0, 6400)), [Channel("a", replace(ideal_transducer("force"), clips_at=5.0),
-                         10.0, "", "+x", coupling="IEPE")], [ChannelState(1.0, None, 1.0)])  # fmt: skip
+    source = conditioned(
+        Analytic(pulses(20.0, 6400)),
+        [
+            Channel(
+                "a",
+                replace(ideal_transducer("force"), clips_at=5.0),
+                10.0,
+                "",
+                "+x",
+                coupling="IEPE",
+            )
+        ],
+        [ChannelState(1.0, None, 1.0)],
+    )
     acquisition = Emulated(source, front_end())
     acquisition.read(700)
     block = acquisition.read(200)

@@ -4,14 +4,24 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from daq.chain.fir import DELAY, STAGE1, STAGE1_ATTENUATION, STAGE1_CUTOFF, STAGE2, Decimator, shifted_lowpass
+from daq.chain.fir import (
+    DELAY,
+    STAGE1,
+    STAGE1_ATTENUATION,
+    STAGE1_CUTOFF,
+    STAGE2,
+    Decimator,
+    shifted_lowpass,
+)
 
 
 def whole_filter(skew: float = 0.0) -> np.ndarray:
     """Both stages as one filter at the oversampled rate (noble identity)."""
     spread = np.zeros(4 * (len(STAGE2) - 1) + 1)
     spread[::4] = STAGE2
-    stage1 = shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, skew) if skew else STAGE1
+    stage1 = (
+        shifted_lowpass(len(STAGE1), STAGE1_CUTOFF, STAGE1_ATTENUATION, skew) if skew else STAGE1
+    )
     return np.convolve(stage1, spread)
 
 
@@ -47,7 +57,9 @@ def test_a_stream_of_blocks_equals_one_convolution(outputs: int) -> None:
     y = np.concatenate([decimator.push(part).copy() for part in np.split(x, 4)])
     expected = signal.upfirdn(whole_filter(), x, 1, 8)[: len(y)]
     # rounding: some 200 terms whose absolute weights sum to less than 3
-    np.testing.assert_allclose(y, expected, rtol=0, atol=200 * 3 * np.finfo(float).eps * np.abs(x).max())
+    np.testing.assert_allclose(
+        y, expected, rtol=0, atol=200 * 3 * np.finfo(float).eps * np.abs(x).max()
+    )
 
 
 @pytest.mark.parametrize("skew", [0.0, 0.0114, -0.114, 0.5])
@@ -70,7 +82,9 @@ def test_a_skewed_stream_of_blocks_equals_one_convolution(outputs: int) -> None:
     decimator = Decimator(outputs, 0.07)
     y = np.concatenate([decimator.push(part).copy() for part in np.split(x, 4)])
     expected = signal.upfirdn(whole_filter(0.07), x, 1, 8)[: len(y)]
-    np.testing.assert_allclose(y, expected, rtol=0, atol=200 * 3 * np.finfo(float).eps * np.abs(x).max())
+    np.testing.assert_allclose(
+        y, expected, rtol=0, atol=200 * 3 * np.finfo(float).eps * np.abs(x).max()
+    )
 
 
 def test_a_skew_of_more_than_half_an_interval_is_refused() -> None:

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 from daq_signals import RATE, Analytic, constant
 
-from daq.chain.channel import SPOTS, Channel, ChannelState, TransducerSpec, channel_info, ideal_analyzer
+from daq.chain.channel import (
+    SPOTS,
+    Channel,
+    ChannelState,
+    TransducerSpec,
+    channel_info,
+    ideal_analyzer,
+)
 from daq.chain.frontend import BLOCK, FrontEnd
 from daq.chain.noise import Flicker, sections
 
@@ -19,7 +26,9 @@ SPEC = TransducerSpec(
 
 def density(f: np.ndarray, spots: tuple[float, ...]) -> np.ndarray:
     """One-sided power density of sections and white floor."""
-    power = sum(s / (1 + (f / corner) ** 2) for s, corner in zip(sections(spots), SPOTS, strict=False))
+    power = sum(
+        s / (1 + (f / corner) ** 2) for s, corner in zip(sections(spots), SPOTS, strict=False)
+    )
     return np.asarray(power + spots[-1] ** 2)
 
 
@@ -36,7 +45,9 @@ def test_between_the_spots_it_follows_the_straight_line() -> None:
 
 
 def test_what_is_made_has_this_density() -> None:
-    """Averages of periodograms in thirds of an octave, 64 segments of 1.6 s: each within 5 of its own deviations."""
+    """Averages of periodograms in thirds of an octave, 64 segments of 1.6 s: each within 5 of its
+    own deviations.
+    """
     n, segments = 2**14, 64
     flicker = Flicker(SHEET, 1.0, RATE, np.random.default_rng(1))
     total = np.zeros(n // 2 + 1)
@@ -48,30 +59,43 @@ def test_what_is_made_has_this_density() -> None:
     found = total / segments * 2 / (RATE * (window**2).sum())
     f = np.fft.rfftfreq(n, 1 / RATE)
     expected = density(f, SHEET) - SHEET[-1] ** 2
-    for low in 2.0 ** np.arange(2, 9, 1 / 3):  # from 4 Hz: the window leaks below; to 0.05 of the rate: no aliasing
+    for low in 2.0 ** np.arange(
+        2, 9, 1 / 3
+    ):  # from 4 Hz: the window leaks below; to 0.05 of the rate: no aliasing
         band = (f >= low) & (f < low * 2 ** (1 / 3))
         independent = segments * band.sum() / 1.5  # the window's equivalent noise bandwidth
-        assert found[band].sum() / expected[band].sum() == pytest.approx(1, abs=5 / math.sqrt(independent))
+        assert found[band].sum() / expected[band].sum() == pytest.approx(
+            1, abs=5 / math.sqrt(independent)
+        )
 
 
 def test_cutting_changes_the_draws_and_nothing_else_draws_them() -> None:
-    """The front end works in blocks of one size: equal blocks, equal noise; without spots the stream is untouched."""
+    """The front end works in blocks of one size: equal blocks, equal noise; without spots the
+    stream is untouched.
+    """
     channel = Channel("a", SPEC, 1.0, "", "+x")
     codes = []
     for _ in range(2):
         rng = np.random.default_rng(5)
-        front = FrontEnd(ideal_analyzer(), [channel], [ChannelState(0.0102, None, 1.0)], RATE, [rng])
+        front = FrontEnd(
+            ideal_analyzer(), [channel], [ChannelState(0.0102, None, 1.0)], RATE, [rng]
+        )
         codes.append(front.convert(Analytic(constant(0.0)).volts(8 * BLOCK)))
     np.testing.assert_array_equal(codes[0], codes[1])
 
 
 def test_the_channel_table_tells_it() -> None:
-    """K/f above every spot's excess: 39^2 x 1, 11^2 x 10, 3.4^2 x 100 less the floor: the first is the largest."""
+    """K/f above every spot's excess: 39^2 x 1, 11^2 x 10, 3.4^2 x 100 less the floor: the first is
+    the largest.
+    """
     info = channel_info(Channel("a", SPEC, 1.0, "", "+x"), ideal_analyzer(), RATE, 0.0)
     assert info.flicker == pytest.approx(9.80665e-6 * math.sqrt(39**2 - 1.4**2), rel=1e-12)
     assert info.noise_rms == pytest.approx(SHEET[-1] * math.sqrt(RATE / 2), rel=1e-12)
     without = dataclasses.replace(SPEC, noise_spots=())
-    assert channel_info(Channel("a", without, 1.0, "", "+x"), ideal_analyzer(), RATE, 0.0).flicker == 0.0
+    assert (
+        channel_info(Channel("a", without, 1.0, "", "+x"), ideal_analyzer(), RATE, 0.0).flicker
+        == 0.0
+    )
 
 
 def test_spots_that_rise_are_refused() -> None:

@@ -31,35 +31,56 @@ def fitted(codes: np.ndarray, frequency: float) -> complex:
 @settings(max_examples=25, deadline=None)
 @given(frequency=st.floats(0.55, 4.0))
 def test_tones_beyond_the_stop_band_edge_vanish(frequency: float) -> None:
-    codes = pushed(Analytic(lambda j: 9.0 * np.sin(2 * np.pi * frequency / 8 * (j + 0.5))), front_end())
-    assert np.abs(codes[0, SETTLED:]).max() <= 9.0 / LSB * 1e-5 + 0.5  # 100 dB, and half a code of rounding
+    codes = pushed(
+        Analytic(lambda j: 9.0 * np.sin(2 * np.pi * frequency / 8 * (j + 0.5))), front_end()
+    )
+    assert (
+        np.abs(codes[0, SETTLED:]).max() <= 9.0 / LSB * 1e-5 + 0.5
+    )  # 100 dB, and half a code of rounding
 
 
 @settings(max_examples=25, deadline=None)
 @given(frequency=st.floats(0.001, 0.45), phase=st.floats(0, 6.28))
-def test_tones_in_the_pass_band_keep_their_size_and_their_time(frequency: float, phase: float) -> None:
+def test_tones_in_the_pass_band_keep_their_size_and_their_time(
+    frequency: float, phase: float
+) -> None:
     """Sample n shows the drive at (n - FILTER_DELAY) / rate."""
     found = fitted(pushed(Analytic(tone(9.0, frequency, phase)), front_end())[0], frequency)
-    expected = 9.0 / LSB * np.sinc(frequency / 8) * np.exp(1j * (phase - 2 * np.pi * frequency * FILTER_DELAY))
+    expected = (
+        9.0
+        / LSB
+        * np.sinc(frequency / 8)
+        * np.exp(1j * (phase - 2 * np.pi * frequency * FILTER_DELAY))
+    )
     ratio = found / expected
     assert abs(20 * np.log10(abs(ratio))) < 1.1e-4
     assert abs(np.angle(ratio)) / (2 * np.pi * frequency) < 1e-4  # samples
 
 
 def test_a_constant_comes_out_exactly() -> None:
-    for volts, code in ((0.0, 0), (5.0, FULL // 2), (-10.0, -FULL), (LSB * 3.4, 3), (-LSB * 3.6, -4)):
+    for volts, code in (
+        (0.0, 0),
+        (5.0, FULL // 2),
+        (-10.0, -FULL),
+        (LSB * 3.4, 3),
+        (-LSB * 3.6, -4),
+    ):
         codes = pushed(Analytic(constant(volts)), front_end())
         assert np.all(codes[0, SETTLED:] == code)
 
 
 def test_a_clean_sine_has_the_signal_to_noise_ratio_of_24_bits() -> None:
-    """Rounding noise is 1/12 code^2. The estimate from N samples scatters by about 1/sqrt(N): 5 of that is 0.3 dB."""
+    """Rounding noise is 1/12 code^2. The estimate from N samples scatters by about 1/sqrt(N): 5 of
+    that is 0.3 dB.
+    """
     frequency = 0.5 * (np.sqrt(5) - 1) / 10
     codes = pushed(Analytic(tone(9.99, frequency)), front_end(), 2)[0]
     found = fitted(codes, frequency)
     n = np.arange(SETTLED, codes.size)
     rest = codes[SETTLED:] - (found * np.exp(2j * np.pi * frequency * n)).imag
-    assert 10 * np.log10(abs(found) ** 2 / 2 / rest.var()) == pytest.approx(6.02 * 24 + 1.76, abs=0.3)
+    assert 10 * np.log10(abs(found) ** 2 / 2 / rest.var()) == pytest.approx(
+        6.02 * 24 + 1.76, abs=0.3
+    )
 
 
 def test_the_actual_gain_scales_the_codes() -> None:
@@ -75,7 +96,9 @@ def test_noise_has_its_size_is_white_and_differs_between_channels() -> None:
     assert codes.std(axis=1) == pytest.approx(expected, rel=5 / np.sqrt(2 * n))
     assert np.abs(codes.mean(axis=1)).max() < 5 * expected / np.sqrt(n)
     for lag in (1, 2, 7):
-        assert np.abs((codes[:, lag:] * codes[:, :-lag]).mean(axis=1)).max() < 5 * expected**2 / np.sqrt(n)
+        assert np.abs(
+            (codes[:, lag:] * codes[:, :-lag]).mean(axis=1)
+        ).max() < 5 * expected**2 / np.sqrt(n)
     assert abs((codes[0] * codes[1]).mean()) < 5 * expected**2 / np.sqrt(n)
 
 

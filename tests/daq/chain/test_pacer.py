@@ -84,7 +84,9 @@ def test_a_stream_may_start_anywhere() -> None:
     assert wall.now == 1001.0
 
 
-@pytest.mark.parametrize(("rate", "speed"), [(0.0, 1.0), (1000.0, 0.0), (1000.0, -1.0), (float("nan"), 1.0)])
+@pytest.mark.parametrize(
+    ("rate", "speed"), [(0.0, 1.0), (1000.0, 0.0), (1000.0, -1.0), (float("nan"), 1.0)]
+)
 def test_a_speed_that_is_not_positive_is_refused(rate: float, speed: float) -> None:
     with pytest.raises(ValueError, match="positive"):
         Pacer(rate, speed)
@@ -109,8 +111,9 @@ def test_how_late_the_samples_came() -> None:
 
 
 def test_an_hour_at_sixty_times_the_speed() -> None:
-    """60 minutes of samples in a minute of wall time, work of 80 % of each block's time on a clock that the test turns:
-    not one deadline is missed; with work of 101 % the pacer gives up when it is half a second behind."""
+    """60 minutes of samples in a minute of wall time, work of 80 % of each block's time on a clock
+    that the test turns: not one deadline is missed; with work of 101 % the pacer gives up when it
+    is half a second behind."""
     rate, block = 10240.0, 16384
     blocks = int(3600 * rate / block)
     each = block / (rate * 60.0)

@@ -1,4 +1,6 @@
-"""A recorded run read again: the recorded blocks at their own sizes, every bit kept, and a clear end."""
+"""A recorded run read again: the recorded blocks at their own sizes, every bit kept, and a clear
+end.
+"""
 
 from itertools import pairwise
 from pathlib import Path
@@ -39,7 +41,9 @@ def test_the_recorded_blocks_come_back_as_they_were(path: Path) -> None:
         for row, bits in zip(rows, BITS, strict=True):
             block = replayed.read(int(row["count"]))
             assert block.start == row["start"]
-            np.testing.assert_array_equal(block.codes, given.codes(seed=1)[:, block.start : block.start + block.count])
+            np.testing.assert_array_equal(
+                block.codes, given.codes(seed=1)[:, block.start : block.start + block.count]
+            )
             assert tuple(block.flags) == bits
             np.testing.assert_array_equal(block.clipped, row["clipped"])
 
@@ -53,7 +57,9 @@ def test_other_reads_recount_the_rails_and_keep_every_other_bit(path: Path) -> N
         second = replayed.read(3000)  # touches the first recorded block and the second
         assert second.flags[0] & Flag.GAP
         part = codes[:, 3000:6000]
-        np.testing.assert_array_equal(second.clipped, ((part == 2**23 - 1) | (part == -(2**23))).sum(axis=1))
+        np.testing.assert_array_equal(
+            second.clipped, ((part == 2**23 - 1) | (part == -(2**23))).sum(axis=1)
+        )
 
 
 def test_the_end_is_an_error(path: Path) -> None:

@@ -12,7 +12,9 @@ from daq.chain.transducer import Transduced
 
 def test_without_a_pole_volts_are_sensitivity_times_value() -> None:
     source = Analytic(constant(3.0), tone(2.0, 0.01))
-    volts = Transduced(source, [ChannelState(0.5, None, 1.0), ChannelState(0.1, None, 1.0)]).volts(100)
+    volts = Transduced(source, [ChannelState(0.5, None, 1.0), ChannelState(0.1, None, 1.0)]).volts(
+        100
+    )
     np.testing.assert_array_equal(volts[0], 1.5)
     np.testing.assert_array_equal(volts[1], 0.1 * Analytic(tone(2.0, 0.01)).read(100)[0])
 
@@ -29,18 +31,23 @@ def test_a_step_decays_exponentially(time_constant: float) -> None:
 def test_a_sine_is_turned_by_the_poles_phase() -> None:
     """j w tau / (1 + j w tau), after the start has died out.
 
-    Holding the input over an interval errs in the slow part by (w dt)^2 / 12 of 1 / (w tau): below 1e-6 here.
+    Holding the input over an interval errs in the slow part by (w dt)^2 / 12 of 1 / (w tau): below
+    1e-6 here.
     """
     frequency, time_constant = 20.0, 0.02
     omega = 2 * np.pi * frequency
     n = int(40 * OVERSAMPLED / frequency)
-    volts = Transduced(Analytic(tone(1.0, frequency / RATE)), [ChannelState(1.0, time_constant, 1.0)]).volts(n)[0]
+    volts = Transduced(
+        Analytic(tone(1.0, frequency / RATE)), [ChannelState(1.0, time_constant, 1.0)]
+    ).volts(n)[0]
     t = (np.arange(n) + 0.5) / OVERSAMPLED
     late = t > 1.0  # 50 time constants
     basis = np.stack([np.sin(omega * t[late]), np.cos(omega * t[late])], axis=1)
     s, c = np.linalg.lstsq(basis, volts[late], rcond=None)[0]
     pole = 1j * omega * time_constant
-    assert complex(s, c) == pytest.approx(pole / (1 + pole) * np.sinc(frequency / OVERSAMPLED), abs=1e-6)
+    assert complex(s, c) == pytest.approx(
+        pole / (1 + pole) * np.sinc(frequency / OVERSAMPLED), abs=1e-6
+    )
 
 
 @settings(max_examples=25, deadline=None)

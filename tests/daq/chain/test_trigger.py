@@ -1,4 +1,6 @@
-"""A triggered record begins where it should, whatever the sizes of the reads, and is the same samples all the same."""
+"""A triggered record begins where it should, whatever the sizes of the reads, and is the same
+samples all the same.
+"""
 
 from collections.abc import Sequence
 
@@ -30,7 +32,9 @@ WHOLE = plain().read(40000).codes
 @pytest.mark.parametrize("kind", ["edge", "level"])
 @pytest.mark.parametrize("before", [0, 1, 77, 500, 5000])
 @pytest.mark.parametrize("row", [0, 1])
-def test_it_begins_at_the_first_sample_that_passes(slope: str, kind: str, before: int, row: int) -> None:
+def test_it_begins_at_the_first_sample_that_passes(
+    slope: str, kind: str, before: int, row: int
+) -> None:
     source = triggered(row=row, slope=slope, kind=kind, before=before)
     block = source.read(1000)
     assert source.first is not None
@@ -48,7 +52,9 @@ def test_it_begins_at_the_first_sample_that_passes(slope: str, kind: str, before
 def test_reads_of_any_size_give_the_same(cuts: Sequence[int]) -> None:
     cut, whole = triggered(before=300), triggered(before=300)
     blocks = [cut.read(n) for n in cuts]
-    np.testing.assert_array_equal(np.concatenate([b.codes for b in blocks], axis=1), whole.read(sum(cuts)).codes)
+    np.testing.assert_array_equal(
+        np.concatenate([b.codes for b in blocks], axis=1), whole.read(sum(cuts)).codes
+    )
     assert [b.start for b in blocks] == np.cumsum([0, *cuts[:-1]]).tolist()
 
 
@@ -57,7 +63,9 @@ def test_overload_is_counted_in_the_samples_that_are_handed_on() -> None:
     source = Triggered(loud, 0, 0.0)
     for _ in range(20):
         block = source.read(64)
-        assert block.clipped[0] == np.count_nonzero((block.codes == FULL - 1) | (block.codes == -FULL))
+        assert block.clipped[0] == np.count_nonzero(
+            (block.codes == FULL - 1) | (block.codes == -FULL)
+        )
         assert bool(block.flags[0] & 3) == bool(block.clipped[0])
 
 

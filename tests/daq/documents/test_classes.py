@@ -1,4 +1,6 @@
-"""Classes as documents: the way there and back is the identity, and what is damaged is refused with its place."""
+"""Classes as documents: the way there and back is the identity, and what is damaged is refused with
+its place.
+"""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq.documents.classes import LEFT_OUT, AtLeast, DocumentError, finite, from_document, shape_of, to_document
+from daq.documents.classes import (
+    LEFT_OUT,
+    AtLeast,
+    DocumentError,
+    finite,
+    from_document,
+    shape_of,
+    to_document,
+)
 from daq.documents.json_schema import json_schema
 from daq.documents.shapes import Each, Either, Keys, List, Null, Number, Text, YesNo, deviations
 
@@ -39,7 +49,9 @@ class Whole:
 
 
 NUMBER = st.floats(-1e14, 1e14)
-PART = st.builds(Part, st.text(max_size=3), st.none() | st.floats(0.0, 1e14), st.none() | st.text(max_size=3))
+PART = st.builds(
+    Part, st.text(max_size=3), st.none() | st.floats(0.0, 1e14), st.none() | st.text(max_size=3)
+)
 WHOLE = st.builds(
     Whole,
     from_=NUMBER,
@@ -55,9 +67,17 @@ WHOLE = st.builds(
     times=st.integers(1, 3),
 )
 DOCUMENT = {
-    "from": 1.0, "count": 2, "good": True, "word": "one", "parts": [{"name": "a", "size": None}], "pair": [1, 2.5],
-    "lengths": [], "texts": {"k": "v"}, "either": [1.0], "part": None,
-}  # fmt: skip
+    "from": 1.0,
+    "count": 2,
+    "good": True,
+    "word": "one",
+    "parts": [{"name": "a", "size": None}],
+    "pair": [1, 2.5],
+    "lengths": [],
+    "texts": {"k": "v"},
+    "either": [1.0],
+    "part": None,
+}
 
 
 @given(WHOLE)
@@ -78,9 +98,15 @@ def test_the_shape_is_what_the_annotations_say() -> None:
     shape = shape_of(Whole)
     part = Keys({"name": Text(), "size": Number(0.0, null=True)}, {"note": Text()})
     required = {
-        "from": Number(), "count": Number(1, whole=True), "good": YesNo(), "word": Text(("one", "two")),
-        "parts": List(part, 1), "pair": List(Number(), 2, 2), "texts": Each(Text()), "part": replace(part, null=True),
-    }  # fmt: skip
+        "from": Number(),
+        "count": Number(1, whole=True),
+        "good": YesNo(),
+        "word": Text(("one", "two")),
+        "parts": List(part, 1),
+        "pair": List(Number(), 2, 2),
+        "texts": Each(Text()),
+        "part": replace(part, null=True),
+    }
     assert {name: json_schema(one) for name, one in shape.required.items()} == {
         name: json_schema(one) for name, one in required.items()
     }
@@ -90,7 +116,9 @@ def test_the_shape_is_what_the_annotations_say() -> None:
 
 def test_further_keys_are_passed_over() -> None:
     parts = [{**DOCUMENT["parts"][0], "later": {}}]  # type: ignore[index,dict-item]
-    assert from_document(Whole, {**DOCUMENT, "parts": parts, "new": 1}) == from_document(Whole, DOCUMENT)
+    assert from_document(Whole, {**DOCUMENT, "parts": parts, "new": 1}) == from_document(
+        Whole, DOCUMENT
+    )
 
 
 @pytest.mark.parametrize("key", shape_of(Whole).required)
@@ -107,8 +135,14 @@ def test_a_missing_key_is_named(key: str) -> None:
         ({"from": math.nan}, "from is nan, expected a number"),
         ({"word": "three"}, "word is 'three', expected one of one, two"),
         ({"parts": []}, "parts is a list, expected a list of at least 1"),
-        ({"parts": [{"name": "a", "size": -1.0}]}, r"parts\[0\].size is -1.0, expected a number from 0 or null"),
-        ({"parts": [{"name": "a", "size": 1.0, "note": None}]}, r"parts\[0\].note is null, expected text"),
+        (
+            {"parts": [{"name": "a", "size": -1.0}]},
+            r"parts\[0\].size is -1.0, expected a number from 0 or null",
+        ),
+        (
+            {"parts": [{"name": "a", "size": 1.0, "note": None}]},
+            r"parts\[0\].note is null, expected text",
+        ),
         ({"pair": [1.0]}, "pair is a list, expected a list of at least 2 and at most 2"),
         ({"texts": {"k": 1}}, "texts.k is 1, expected text"),
         ({"either": True}, "either is True, expected"),
@@ -123,13 +157,21 @@ def test_what_is_damaged_is_refused_with_its_place(change: dict[str, object], to
 
 
 def test_no_number_without_an_end_is_written() -> None:
-    """Where None is allowed it is there before anything is written; elsewhere it is null in the document alone."""
+    """Where None is allowed it is there before anything is written; elsewhere it is null in the
+    document alone.
+    """
     whole = from_document(Whole, DOCUMENT)
-    bad = replace(whole, from_=math.nan, pair=(math.inf, 1.0), either=-math.inf, parts=(Part("a", math.inf),))
+    bad = replace(
+        whole, from_=math.nan, pair=(math.inf, 1.0), either=-math.inf, parts=(Part("a", math.inf),)
+    )
     assert finite(bad).parts == (Part("a", None),)
     assert finite(bad).either is None
     assert math.isnan(finite(bad).from_)
-    assert to_document(bad) == to_document(whole) | {"from": None, "pair": [None, 1.0], "either": None}
+    assert to_document(bad) == to_document(whole) | {
+        "from": None,
+        "pair": [None, 1.0],
+        "either": None,
+    }
     assert finite(whole) is whole
 
 

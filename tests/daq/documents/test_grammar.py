@@ -31,7 +31,9 @@ class Sheet:
 def read(data: object) -> tuple[object, list[str]]:
     notes = Notes(known=tuple(paths_of(Sheet)))
     try:
-        return keys_of(Sheet).read(node_of(data, "f:1"), "", notes), [str(m) for m in notes.mistakes]
+        return keys_of(Sheet).read(node_of(data, "f:1"), "", notes), [
+            str(m) for m in notes.mistakes
+        ]
     except Unreadable:
         return None, [str(m) for m in notes.mistakes]
 
@@ -47,7 +49,9 @@ def test_a_plain_value_stands_for_every_part_of_a_group_that_is_alike() -> None:
 
 
 def test_every_mistake_at_once_and_the_rest_is_read() -> None:
-    sheet, found = read({"title": "x", "color": "red", "side": "bak", "pair": {"left": 2}, "marks": ["a", "a"]})
+    sheet, found = read(
+        {"title": "x", "color": "red", "side": "bak", "pair": {"left": 2}, "marks": ["a", "a"]}
+    )
     assert sheet == Sheet("x")
     assert [line.partition(": found")[0] for line in found] == [
         "f:1: color", "f:1: side", "f:1: pair.left", "f:1: marks",

@@ -1,4 +1,6 @@
-"""Shapes: what one takes its schema takes, every deviation is told, a reading goes on after a mistake."""
+"""Shapes: what one takes its schema takes, every deviation is told, a reading goes on after a
+mistake.
+"""
 
 from typing import Any
 
@@ -25,8 +27,15 @@ from daq.documents.shapes import (
     deviations,
 )
 
-POINT = Keys({"x": Number(0.0, 1.0), "name": Text(("a", "b"))}, {"more": List(Number(whole=True), 1, 3)}, null=True)
-LEFT, RIGHT = Keys({"left": Number()}, {"by": Text()}, closed=True), Keys({"right": Number()}, closed=True)
+POINT = Keys(
+    {"x": Number(0.0, 1.0), "name": Text(("a", "b"))},
+    {"more": List(Number(whole=True), 1, 3)},
+    null=True,
+)
+LEFT, RIGHT = (
+    Keys({"left": Number()}, {"by": Text()}, closed=True),
+    Keys({"right": Number()}, closed=True),
+)
 SHAPES: dict[str, Shape] = {
     "point": POINT,
     "closed": Keys({"x": Number(null=True)}, {"y": YesNo()}, closed=True),
@@ -44,8 +53,16 @@ SHAPES: dict[str, Shape] = {
     "once": List(Text(("a", "b")), unique=True),
 }
 KEYS = st.sampled_from(["x", "y", "name", "more", "kind", "left", "right", "by"])
-LEAVES = st.one_of(st.none(), st.booleans(), st.integers(-3, 3), st.floats(-2, 2), st.sampled_from(["a", "one", "two"]))
-VALUES = st.recursive(LEAVES, lambda part: st.lists(part, max_size=3) | st.dictionaries(KEYS, part, max_size=3))
+LEAVES = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-3, 3),
+    st.floats(-2, 2),
+    st.sampled_from(["a", "one", "two"]),
+)
+VALUES = st.recursive(
+    LEAVES, lambda part: st.lists(part, max_size=3) | st.dictionaries(KEYS, part, max_size=3)
+)
 
 
 @pytest.mark.parametrize("name", SHAPES)

@@ -1,4 +1,6 @@
-"""Each fault does what it says, to its own channel and samples, and sets the bits that a converter would."""
+"""Each fault does what it says, to its own channel and samples, and sets the bits that a converter
+would.
+"""
 
 import numpy as np
 import pytest
@@ -50,10 +52,14 @@ def test_what_each_makes_of_the_codes() -> None:
 
 
 def test_noise_has_its_size() -> None:
-    added = block("noise", 0.001).codes[1, START:STOP] - clean().read(N).codes[1, START:STOP].astype(float)
+    added = block("noise", 0.001).codes[1, START:STOP] - clean().read(N).codes[
+        1, START:STOP
+    ].astype(float)
     assert added.std() == pytest.approx(0.001 * FULL, rel=5 / np.sqrt(2 * added.size))
     open_input = block("cable_open").codes[1, START:STOP]
-    assert open_input.std() == pytest.approx(np.hypot(4.0, 1 / np.sqrt(12)), rel=5 / np.sqrt(2 * open_input.size))
+    assert open_input.std() == pytest.approx(
+        np.hypot(4.0, 1 / np.sqrt(12)), rel=5 / np.sqrt(2 * open_input.size)
+    )
 
 
 def test_the_converter_tells_lost_samples_and_an_open_sensor_and_nothing_else() -> None:
@@ -61,7 +67,9 @@ def test_the_converter_tells_lost_samples_and_an_open_sensor_and_nothing_else() 
     for kind in KINDS:
         found = block(kind, 2.0 if kind == "clock_slip" else 0.01, iepe=True)
         assert found.flags[1] & ~Flag.NOT_SETTLED == known.get(kind, 0), kind
-    assert not block("cable_open").flags[1] & Flag.IEPE_OPEN  # an input that feeds nothing cannot tell
+    assert (
+        not block("cable_open").flags[1] & Flag.IEPE_OPEN
+    )  # an input that feeds nothing cannot tell
 
 
 def test_what_is_pushed_to_the_rail_is_overload() -> None:

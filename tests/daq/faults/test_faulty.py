@@ -1,4 +1,6 @@
-"""Faults between stand and transducer: what each does, whatever the sizes of the reads; other channels pass."""
+"""Faults between stand and transducer: what each does, whatever the sizes of the reads; other
+channels pass.
+"""
 
 import math
 from collections.abc import Callable, Sequence

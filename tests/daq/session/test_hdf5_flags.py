@@ -19,13 +19,17 @@ PHRASE = b"Four score and seven years ago"
         (PHRASE, 1, 0xCD628161),
     ],
 )
-def test_lookup3_gives_the_values_in_its_authors_driver(data: bytes, initial: int, expected: int) -> None:
+def test_lookup3_gives_the_values_in_its_authors_driver(
+    data: bytes, initial: int, expected: int
+) -> None:
     """burtleburtle.net/bob/c/lookup3.c, driver5."""
     assert lookup3(data, initial) == expected
 
 
 def marked(path: Path) -> bytes:
-    """A file as a killed writer leaves it: copied while the writer has it open in single-writer mode."""
+    """A file as a killed writer leaves it: copied while the writer has it open in single-writer
+    mode.
+    """
     with h5py.File(path, "w", libver="latest") as file:
         file["x"] = [1, 2, 3]
         file.swmr_mode = True

@@ -1,4 +1,6 @@
-"""A session while it is written, after its writer was killed, and resumed. Writers are other processes."""
+"""A session while it is written, after its writer was killed, and resumed. Writers are other
+processes.
+"""
 
 import os
 import signal
@@ -45,7 +47,9 @@ class Writer:
 
     def __init__(self, path: Path) -> None:
         command = [sys.executable, "-c", WRITER, str(path), str(Path(__file__).parents[1])]
-        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
         self.heard("created")
 
     def heard(self, word: str) -> None:
@@ -78,12 +82,18 @@ def writing(path: Path) -> Iterator[Writer]:
 
 def test_readers_follow_a_live_writer(tmp_path: Path) -> None:
     path = tmp_path / "session.h5"
-    with writing(path) as writer, open_session(path) as record, h5py.File(path, "r", swmr=True) as plain:
+    with (
+        writing(path) as writer,
+        open_session(path) as record,
+        h5py.File(path, "r", swmr=True) as plain,
+    ):
         assert record.run("run_0001").samples == 0
         for start in range(0, given.SAMPLES, STEP):
             writer.do("run_0001", start, start + STEP)
             assert record.run("run_0001").samples == start + STEP
-            np.testing.assert_array_equal(record.codes("run_0001", "force"), given.codes(seed=1)[0, : start + STEP])
+            np.testing.assert_array_equal(
+                record.codes("run_0001", "force"), given.codes(seed=1)[0, : start + STEP]
+            )
             plain["run_0001/data/force"].refresh()
             np.testing.assert_array_equal(
                 plain["run_0001/data/force"][: start + STEP], given.codes(seed=1)[0, : start + STEP]
@@ -107,7 +117,9 @@ def test_what_was_recorded_survives_a_kill_and_the_session_resumes(tmp_path: Pat
             (given.SAMPLES, True),
             (0, False),
         ]
-        np.testing.assert_array_equal(record.codes("run_0001", "force"), given.codes(seed=1)[0, :STEP])
+        np.testing.assert_array_equal(
+            record.codes("run_0001", "force"), given.codes(seed=1)[0, :STEP]
+        )
         np.testing.assert_array_equal(plain["run_0002/data/force"][:], given.codes(seed=2)[0])
     with Recorder.resume(path) as recorder:
         assert recorder.completed() == {"run_0002"}
@@ -120,7 +132,9 @@ def test_what_was_recorded_survives_a_kill_and_the_session_resumes(tmp_path: Pat
         assert recorder.record().complete
     with h5py.File(path, "r") as plain:
         for number in (1, 2, 3):
-            np.testing.assert_array_equal(plain[f"run_000{number}/data/acceleration"][:], given.codes(seed=number)[1])
+            np.testing.assert_array_equal(
+                plain[f"run_000{number}/data/acceleration"][:], given.codes(seed=number)[1]
+            )
 
 
 def test_a_resumed_session_equals_one_that_was_never_stopped(tmp_path: Path) -> None:
@@ -140,10 +154,15 @@ def test_a_resumed_session_equals_one_that_was_never_stopped(tmp_path: Path) -> 
         finished(recorder)
     with Recorder.create(tmp_path / "whole.h5", given.plan()) as recorder:
         finished(recorder)
-    with open_session(tmp_path / "stopped.h5") as stopped, open_session(tmp_path / "whole.h5") as whole:
+    with (
+        open_session(tmp_path / "stopped.h5") as stopped,
+        open_session(tmp_path / "whole.h5") as whole,
+    ):
         assert stopped.runs == whole.runs
         for run in whole.runs:
-            np.testing.assert_array_equal(stopped.codes(run.name, "force"), whole.codes(run.name, "force"))
+            np.testing.assert_array_equal(
+                stopped.codes(run.name, "force"), whole.codes(run.name, "force")
+            )
             np.testing.assert_array_equal(stopped.blocks(run.name), whole.blocks(run.name))
 
 
@@ -194,7 +213,9 @@ def read_all(path: Path) -> None:
 
 
 def test_a_killed_writers_file_that_is_damaged_too_is_refused_at_once(tmp_path: Path) -> None:
-    """In the reader's side of the single-writer mode HDF5 would take the damage for a write and wait for its end."""
+    """In the reader's side of the single-writer mode HDF5 would take the damage for a write and
+    wait for its end.
+    """
     path = tmp_path / "session.h5"
     with writing(path) as writer:
         writer.do("run_0001", 0, STEP)

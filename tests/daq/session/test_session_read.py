@@ -58,7 +58,11 @@ def test_everything_planned_comes_back(session: Path) -> None:
 
 def test_completeness_is_what_the_status_says(session: Path) -> None:
     with open_session(session) as record:
-        assert [(run.samples, run.complete) for run in record.runs] == [(20000, True), (0, False), (20000, False)]
+        assert [(run.samples, run.complete) for run in record.runs] == [
+            (20000, True),
+            (0, False),
+            (20000, False),
+        ]
         assert not record.complete
         assert record.scalars("run_0001") == {"force_use": 0.5, "stroke_use": 0.25}
         assert record.scalars("run_0003") == {}
@@ -74,20 +78,33 @@ def test_a_signal_is_codes_by_certified_scale_and_sensitivity(session: Path) -> 
 
 @settings(max_examples=30, deadline=None)
 @property_of(cut=st.tuples(st.integers(0, given.SAMPLES), st.integers(0, given.SAMPLES)))
-def test_a_part_is_a_slice_of_the_whole_with_the_flags_of_its_blocks(session: Path, cut: tuple[int, int]) -> None:
+def test_a_part_is_a_slice_of_the_whole_with_the_flags_of_its_blocks(
+    session: Path, cut: tuple[int, int]
+) -> None:
     start, stop = sorted(cut)
     with open_session(session) as record:
         np.testing.assert_array_equal(
             record.codes("run_0001", "acceleration", start, stop), given.codes()[1, start:stop]
         )
         touches = stop > start
-        assert record.signal("run_0001", "force", start, stop).flags == (touches and start < 8000) * Flag.OVERLOAD_HI
-        assert record.signal("run_0001", "acceleration", start, stop).flags == (touches and stop > 8000) * Flag.INVALID
+        assert (
+            record.signal("run_0001", "force", start, stop).flags
+            == (touches and start < 8000) * Flag.OVERLOAD_HI
+        )
+        assert (
+            record.signal("run_0001", "acceleration", start, stop).flags
+            == (touches and stop > 8000) * Flag.INVALID
+        )
 
 
 def test_samples_that_are_not_there_are_refused(session: Path) -> None:
     with open_session(session) as record:
-        for run, start, stop in (("run_0002", 0, 1), ("run_0001", 0, 20001), ("run_0001", -1, 5), ("run_0001", 9, 8)):
+        for run, start, stop in (
+            ("run_0002", 0, 1),
+            ("run_0001", 0, 20001),
+            ("run_0001", -1, 5),
+            ("run_0001", 9, 8),
+        ):
             with pytest.raises(SessionError, match="valid samples"):
                 record.signal(run, "force", start, stop)
         with pytest.raises(SessionError, match="no run"):
@@ -107,12 +124,16 @@ def test_without_truth_everything_else_is_the_same(session: Path, tmp_path: Path
         assert record.runs == whole.runs
         assert record.channels == whole.channels
         for name in record.channels:
-            np.testing.assert_array_equal(record.codes("run_0001", name), whole.codes("run_0001", name))
+            np.testing.assert_array_equal(
+                record.codes("run_0001", name), whole.codes("run_0001", name)
+            )
         assert record.scalars("run_0001") == whole.scalars("run_0001")
 
 
 def test_a_laboratory_session_has_no_truth(tmp_path: Path) -> None:
-    with Recorder.create(tmp_path / "s.h5", dataclasses.replace(given.plan(), synthetic=False)) as recorder:
+    with Recorder.create(
+        tmp_path / "s.h5", dataclasses.replace(given.plan(), synthetic=False)
+    ) as recorder:
         assert recorder.record().truth is None
         assert recorder.record().synthetic is False
     with h5py.File(tmp_path / "s.h5", "r") as file:
@@ -167,9 +188,12 @@ def no_schema(file: h5py.File) -> None:
 
 
 @pytest.mark.parametrize(
-    "damage", [no_status, short_status, no_runs, broken_json, wrong_json, external_session, no_schema]
+    "damage",
+    [no_status, short_status, no_runs, broken_json, wrong_json, external_session, no_schema],
 )
-def test_damaged_sessions_are_refused_on_opening(tmp_path: Path, damage: Callable[[h5py.File], None]) -> None:
+def test_damaged_sessions_are_refused_on_opening(
+    tmp_path: Path, damage: Callable[[h5py.File], None]
+) -> None:
     path = write(tmp_path / "session.h5")
     write(tmp_path / "session.h5.other")
     with h5py.File(path, "r+", libver=("v110", "v110")) as file:
@@ -180,7 +204,9 @@ def test_damaged_sessions_are_refused_on_opening(tmp_path: Path, damage: Callabl
 
 def external_link(file: h5py.File) -> None:
     del file["run_0001/data/force"]
-    file["run_0001/data/force"] = h5py.ExternalLink(file.filename + ".other", "/run_0001/data/force")
+    file["run_0001/data/force"] = h5py.ExternalLink(
+        file.filename + ".other", "/run_0001/data/force"
+    )
 
 
 def soft_link(file: h5py.File) -> None:
@@ -197,7 +223,9 @@ def raw_file(file: h5py.File) -> None:
 def virtual(file: h5py.File) -> None:
     del file["run_0001/data/force"]
     layout = h5py.VirtualLayout((given.SAMPLES,), "<i4")
-    layout[:] = h5py.VirtualSource(file.filename + ".other", "run_0001/data/force", (given.SAMPLES,))
+    layout[:] = h5py.VirtualSource(
+        file.filename + ".other", "run_0001/data/force", (given.SAMPLES,)
+    )
     file["run_0001/data"].create_virtual_dataset("force", layout)
 
 
@@ -216,7 +244,9 @@ def few_codes(file: h5py.File) -> None:
     file["run_0001/data/force"] = np.zeros(5, "<i4")
 
 
-@pytest.mark.parametrize("damage", [external_link, soft_link, raw_file, virtual, text_codes, group_codes, few_codes])
+@pytest.mark.parametrize(
+    "damage", [external_link, soft_link, raw_file, virtual, text_codes, group_codes, few_codes]
+)
 def test_samples_that_are_not_plainly_in_the_file_are_refused(
     tmp_path: Path, damage: Callable[[h5py.File], None]
 ) -> None:
@@ -250,8 +280,12 @@ def test_a_missing_file_and_a_directory_are_refused(tmp_path: Path) -> None:
 
 @settings(max_examples=60, deadline=None)
 @property_of(place=st.floats(0, 1, exclude_max=True), bit=st.one_of(st.none(), st.integers(0, 7)))
-def test_a_damaged_file_is_refused_or_read_rightly(session: Path, place: float, bit: int | None) -> None:
-    """Cut anywhere, or with one bit turned among the metadata, a file gives a SessionError or the true values."""
+def test_a_damaged_file_is_refused_or_read_rightly(
+    session: Path, place: float, bit: int | None
+) -> None:
+    """Cut anywhere, or with one bit turned among the metadata, a file gives a SessionError or the
+    true values.
+    """
     content = bytearray(session.read_bytes())
     if bit is None:
         del content[int(place * len(content)) :]

@@ -1,4 +1,6 @@
-"""A committed session of version 1 keeps being read, and the page of the format names what the file holds."""
+"""A committed session of version 1 keeps being read, and the page of the format names what the file
+holds.
+"""
 
 import dataclasses
 import hashlib
@@ -28,7 +30,9 @@ def test_the_codes_are_those_that_were_recorded() -> None:
         assert record.complete
         found = {
             info.name: {
-                name: hashlib.sha256(record.codes(info.name, name).astype("<i4").tobytes()).hexdigest()
+                name: hashlib.sha256(
+                    record.codes(info.name, name).astype("<i4").tobytes()
+                ).hexdigest()
                 for name in record.channels
             }
             for info in record.runs
@@ -38,7 +42,8 @@ def test_the_codes_are_those_that_were_recorded() -> None:
 
 def test_the_report_numbers_are_those_of_its_time() -> None:
     """W_exp and M_eff follow from codes and channel table by definition: round-off only. Standard
-    uncertainties may be refined by later versions: within a tenth; how they are expanded (k) is the report's."""
+    uncertainties may be refined by later versions: within a tenth; how they are expanded (k) is the
+    report's."""
     with open_session(SESSION) as record:
         report = read_session(record)
     for row, old in zip(report.conditions, EXPECTED["conditions"], strict=True):
@@ -59,9 +64,20 @@ def test_the_page_names_every_object_attribute_and_key() -> None:
     names = {item.name for kind in (ChannelInfo, RunPlan) for item in dataclasses.fields(kind)}
     names |= {*CONDITION.required, *CONDITION.optional}
     with h5py.File(SESSION, "r") as file:
-        names |= {*file.attrs, *file["session"], *file["session/status"].dtype.names, *file["session/truth"]}
+        names |= {
+            *file.attrs,
+            *file["session"],
+            *file["session/status"].dtype.names,
+            *file["session/truth"],
+        }
         run = file["run_0001"]
-        names |= {*run, *run.attrs, *run["blocks"].dtype.names, *run["data"].attrs, *run["data/force"].attrs}
+        names |= {
+            *run,
+            *run.attrs,
+            *run["blocks"].dtype.names,
+            *run["data"].attrs,
+            *run["data/force"].attrs,
+        }
         names |= {*run["truth/ledger"].attrs, *run["scalars"].attrs}
     assert sorted(name for name in names if name not in PAGE) == []
 
@@ -70,7 +86,9 @@ def test_the_reading_of_the_page_gives_the_signal() -> None:
     program = PAGE.partition("```python\n")[2].partition("```")[0]
     scope: dict[str, object] = {}
     program = re.sub(r'"[^"]*\.h5"', repr(str(SESSION)), program)
-    exec(program.replace(", swmr=True", ""), scope)  # the packed file was not written in the newest mode
+    exec(
+        program.replace(", swmr=True", ""), scope
+    )  # the packed file was not written in the newest mode
     with open_session(SESSION) as record:
         signal = record.signal("run_0001", "force").samples
     assert scope["force"] == pytest.approx(signal, rel=1e-12)

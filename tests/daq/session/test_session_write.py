@@ -15,7 +15,9 @@ from daq.session.plan import SessionError
 from daq.session.writer import Recorder
 
 
-def fill(recorder: Recorder, run: str, values: np.ndarray, cuts: tuple[int, ...] = (5000, 12000)) -> None:
+def fill(
+    recorder: Recorder, run: str, values: np.ndarray, cuts: tuple[int, ...] = (5000, 12000)
+) -> None:
     edges = (0, *cuts, values.shape[1])
     for start, stop in itertools.pairwise(edges):
         recorder.append(run, given.block(start, values[:, start:stop]))
@@ -69,12 +71,17 @@ def test_documents_are_utf8_json_and_the_protocol_is_verbatim(session: Path) -> 
         assert file["session/protocol_text"][()].decode() == given.plan().protocol_text
         for name, value in given.plan().documents.items():
             assert json.loads(file[f"session/{name}"][()].decode()) == value
-        assert json.loads(file["session/truth/instruments"][()]) == given.plan().truth_documents["instruments"]
+        assert (
+            json.loads(file["session/truth/instruments"][()])
+            == given.plan().truth_documents["instruments"]
+        )
 
 
 def test_channel_table(session: Path) -> None:
     with h5py.File(session, "r") as file:
-        force, acceleration = (dict(file[f"session/channels/{name}"].attrs) for name in ("force", "acceleration"))
+        force, acceleration = (
+            dict(file[f"session/channels/{name}"].attrs) for name in ("force", "acceleration")
+        )
         assert force["serial"] == b"F1"
         assert force["filter_delay"] == 38.9375
         assert force["pole_Hz"] == pytest.approx(1 / (2 * np.pi * 2000.0), rel=1e-15)
@@ -93,7 +100,10 @@ def test_blocks_status_scalars_and_ledger(session: Path) -> None:
         assert file["session/status"]["complete"].tolist() == [1, 0, 0]
         assert file["session/status"]["flags"].tolist() == [Flag.OVERRUN, 0, 0]
         scalars = file["run_0001/scalars"]
-        assert dict(zip(scalars.attrs["names"], scalars[:], strict=True)) == {b"force_use": 0.5, b"stroke_use": 0.25}
+        assert dict(zip(scalars.attrs["names"], scalars[:], strict=True)) == {
+            b"force_use": 0.5,
+            b"stroke_use": 0.25,
+        }
         ledger = file["run_0001/truth/ledger"]
         assert ledger[:].tolist() == [[0, 0], [0, 1], [2, 3], [4, 5]]
         assert ledger.attrs["units"] == b"J"
@@ -102,7 +112,9 @@ def test_blocks_status_scalars_and_ledger(session: Path) -> None:
 def test_flags_are_sticky_but_a_filter_that_fills_is_no_fault(tmp_path: Path) -> None:
     with Recorder.create(tmp_path / "s.h5", given.plan(100)) as recorder:
         values = given.codes(100)
-        recorder.append("run_0001", given.block(0, values[:, :50], (Flag.NOT_SETTLED, Flag.OVERLOAD_HI)))
+        recorder.append(
+            "run_0001", given.block(0, values[:, :50], (Flag.NOT_SETTLED, Flag.OVERLOAD_HI))
+        )
         recorder.append("run_0001", given.block(50, values[:, 50:], (0, Flag.GAP)))
         assert recorder.record().run("run_0001").flags == Flag.OVERLOAD_HI | Flag.GAP
 
@@ -131,7 +143,8 @@ def test_a_document_that_is_not_json_leaves_no_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "runs", [(), given.plan().runs[:1] * 2, (dataclasses.replace(given.plan().runs[0], condition="c9"),)]
+    "runs",
+    [(), given.plan().runs[:1] * 2, (dataclasses.replace(given.plan().runs[0], condition="c9"),)],
 )
 def test_inconsistent_plans_are_refused(tmp_path: Path, runs: tuple[object, ...]) -> None:
     with pytest.raises(SessionError):
@@ -173,7 +186,9 @@ def test_runs_may_differ_in_length_rate_and_ledger(tmp_path: Path) -> None:
         dataclasses.replace(given.plan().runs[0], samples=700, rate=5120.0, ledger_cycles=7),
         given.plan().runs[1],
     )
-    with Recorder.create(tmp_path / "s.h5", dataclasses.replace(given.plan(), runs=runs)) as recorder:
+    with Recorder.create(
+        tmp_path / "s.h5", dataclasses.replace(given.plan(), runs=runs)
+    ) as recorder:
         record = recorder.record()
         assert [run.rate for run in record.runs] == [5120.0, given.RATE]
         assert [run.planned for run in record.runs] == [700, given.SAMPLES]

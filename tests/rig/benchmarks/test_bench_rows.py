@@ -16,7 +16,15 @@ from rig.benchmarks.methods.rk4 import RK4
 from rig.benchmarks.problems.conditions import conditions
 from rig.benchmarks.problems.precision import precision
 from rig.benchmarks.problems.sliders import Slider, weightless
-from rig.benchmarks.problems.small_beds import AVERAGE, SETTLE, by_rows, exact, followed, sliding, small_bed
+from rig.benchmarks.problems.small_beds import (
+    AVERAGE,
+    SETTLE,
+    by_rows,
+    exact,
+    followed,
+    sliding,
+    small_bed,
+)
 from rig.benchmarks.process import weighed_imports
 from rig.benchmarks.results.claims import CLAIMS, checked, judged
 from rig.benchmarks.results.curve import cost_at, exponent
@@ -67,8 +75,8 @@ def test_exponent_of_a_power_law(power: float) -> None:
 
 
 def test_error_of_an_exponent_covers_scatter() -> None:
-    """1 % scatter over three decades: twice the stated error covers the truth in most of 200 draws (expected: 86 %
-    for 3 degrees of freedom)."""
+    """1 % scatter over three decades: twice the stated error covers the truth in most of 200 draws
+    (expected: 86 % for 3 degrees of freedom)."""
     rng = np.random.Generator(np.random.SFC64(7))
     sizes = np.logspace(1, 4, 5)
     hits = 0
@@ -80,32 +88,55 @@ def test_error_of_an_exponent_covers_scatter() -> None:
 
 def test_calls_are_made_in_turn() -> None:
     calls: list[str] = []
-    found = interleaved({"a": lambda: calls.append("a"), "b": lambda: calls.append("b")}, 3, least=0.0)
+    found = interleaved(
+        {"a": lambda: calls.append("a"), "b": lambda: calls.append("b")}, 3, least=0.0
+    )
     assert {name: len(times) for name, times in found.items()} == {"a": 3, "b": 3}
     assert "".join(calls[-6:]) == "abbaab"
 
 
 def test_ratios_are_formed_round_by_round() -> None:
-    assert ratios([2.0, 20.0, 6.0], [1.0, 10.0, 2.0]) == {"median": 2.0, "low": 2.0, "high": 3.0, "rounds": 3}
+    assert ratios([2.0, 20.0, 6.0], [1.0, 10.0, 2.0]) == {
+        "median": 2.0,
+        "low": 2.0,
+        "high": 3.0,
+        "rounds": 3,
+    }
 
 
 def test_a_failing_method_keeps_its_row_and_a_failing_job_its_reason() -> None:
     rows = list(measured(tiny(), quick=True))
-    assert [row["failure"] for row in rows if row.get("method") == "stuck"] == ["weightless, gap 1: no end at 1"]
-    assert [row["failure"] for row in rows if row["kind"] == "failed"] == ["ValueError: out of order"]
+    assert [row["failure"] for row in rows if row.get("method") == "stuck"] == [
+        "weightless, gap 1: no end at 1"
+    ]
+    assert [row["failure"] for row in rows if row["kind"] == "failed"] == [
+        "ValueError: out of order"
+    ]
     failed = next(table for table in tables(rows) if table.name == "failures")
     assert {line[1] for line in failed.lines} == {"stuck", "-"}
 
 
 def test_claims_follow_from_the_rows() -> None:
-    """Ours needs 1 us; RK4 falls with n^-4 and needs n us: at 1e-6 the ratio is 10^1.5, at 1e-9 10^2.25."""
-    ours = {"kind": "precision", "problem": "p", "method": OURS.name, "failure": None, "error": 1e-15, "us_each": [1.0]}
+    """Ours needs 1 us; RK4 falls with n^-4 and needs n us: at 1e-6 the ratio is 10^1.5, at 1e-9
+    10^2.25.
+    """
+    ours = {
+        "kind": "precision",
+        "problem": "p",
+        "method": OURS.name,
+        "failure": None,
+        "error": 1e-15,
+        "us_each": [1.0],
+    }
     theirs = [
         {**ours, "method": RK4.name, "error": n**-4.0, "us_each": [n]} for n in (8.0, 64.0, 512.0)
     ]  # fmt: skip
     found = [row for row in judged([ours, *theirs]) if row["problem"] == "all"]
     assert [row["ratio"]["median"] for row in found] == pytest.approx([10**1.5, 10**2.25], rel=1e-9)
-    assert [(row["error"], row["demand"], row["held"]) for row in found] == [(1e-6, 2.0, True), (1e-9, 4.0, True)]
+    assert [(row["error"], row["demand"], row["held"]) for row in found] == [
+        (1e-6, 2.0, True),
+        (1e-9, 4.0, True),
+    ]
     assert len(CLAIMS) == 4
 
 
@@ -119,7 +150,9 @@ def test_limits_are_judged_both_ways() -> None:
 
 
 def test_workers_are_an_axis_with_a_speed_up() -> None:
-    """Two processes that take 5/8 of the time: exponent log2(5/8), 1.6 times as fast, each round for itself."""
+    """Two processes that take 5/8 of the time: exponent log2(5/8), 1.6 times as fast, each round
+    for itself.
+    """
     found = workers({1: [8.0, 16.0, 4.0], 2: [5.0, 10.0, 2.0]})
     assert [row["size"] for row in found[:-1]] == [1, 2]
     fit = found[-1]
@@ -137,13 +170,22 @@ def test_a_small_bed_is_the_same_by_other_integrators() -> None:
     assert len(sliding(bed)) == 15
     assert followed(bed) == pytest.approx(true, rel=1e-13)
     ivp = next(method for method in METHODS if method.name == "solve_ivp LSODA")
-    fewer = replace(bed, stack=replace(bed.stack, threshold=bed.stack.threshold[:1], play=bed.stack.play[:1]))
+    fewer = replace(
+        bed,
+        stack=replace(
+            bed.stack, threshold=bed.stack.threshold[:1], clearance=bed.stack.clearance[:1]
+        ),
+    )
     found = by_rows(fewer, lambda row: ivp.solve(row, 1e-6, SETTLE, AVERAGE).energy)
     assert found == pytest.approx(exact(fewer), rel=1e-6)
 
 
-def test_bench_writes_rows_page_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A tiny problem through the command: the file reads back as the rows, the page is made from them alone."""
+def test_bench_writes_rows_page_and_figures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tiny problem through the command: the file reads back as the rows, the page is made from
+    them alone.
+    """
     assert bench(quick=True, out=tmp_path, as_json=False, todo=tiny()) == 0
     rows = read_rows(tmp_path / JSONL)
     assert rows[0]["kind"] == "machine"
@@ -162,7 +204,9 @@ def test_json_prints_lines_and_nothing_else(capsys: pytest.CaptureFixture[str]) 
     assert [row["kind"] for row in rows] == ["machine", "failed"]
 
 
-def test_an_interruption_keeps_the_rows_so_far(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interruption_keeps_the_rows_so_far(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     def interrupted() -> list[dict[str, object]]:
         raise KeyboardInterrupt
 
@@ -188,7 +232,14 @@ def test_rows_come_back_from_a_line() -> None:
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.0, "0"), (None, "-"), (1234567.0, "1.2e+06"), (123.456, "123"), (0.0123, "0.0123"), (1e-9, "1.0e-09")],
+    [
+        (0.0, "0"),
+        (None, "-"),
+        (1234567.0, "1.2e+06"),
+        (123.456, "123"),
+        (0.0123, "0.0123"),
+        (1e-9, "1.0e-09"),
+    ],
 )
 def test_numbers_in_tables(value: float | None, text: str) -> None:
     assert number(value) == text
@@ -197,7 +248,17 @@ def test_numbers_in_tables(value: float | None, text: str) -> None:
 def test_the_shipped_jobs_are_complete() -> None:
     """Quick measures the same kinds of things, on fewer problems."""
     quick, full = ({job.title.partition(" ")[0] for job in jobs(which)} for which in (True, False))
-    kinds = {"layers", "small", "drift", "chain", "acquisition", "recorder", "analysis", "fill", "scaling:"}
+    kinds = {
+        "layers",
+        "small",
+        "drift",
+        "chain",
+        "acquisition",
+        "recorder",
+        "analysis",
+        "fill",
+        "scaling:",
+    }
     assert kinds <= quick <= full
 
 
@@ -208,12 +269,16 @@ def test_the_performance_page_is_what_its_rows_give() -> None:
 
 
 def test_compiling_has_paid_when_what_it_took_is_saved() -> None:
-    assert break_even(3.0, 1.0, 1001.0) == pytest.approx(3000.0)  # 1 ms saved a cycle: 3 s after 3000
+    assert break_even(3.0, 1.0, 1001.0) == pytest.approx(
+        3000.0
+    )  # 1 ms saved a cycle: 3 s after 3000
     assert break_even(3.0, 2.0, 2.0) is None
 
 
 def test_memory_is_that_of_the_process_and_not_of_the_one_that_started_it() -> None:
-    """An interpreter that imports nothing needs some 10 MB; this one holds more, which a peak by getrusage inherits."""
+    """An interpreter that imports nothing needs some 10 MB; this one holds more, which a peak by
+    getrusage inherits.
+    """
     ballast = np.ones(60 * 2**20 // 8)
     small = weighed_imports((), ROOT)
     assert 1.0 < small < 50.0 < ballast.nbytes / 2**20
@@ -221,8 +286,8 @@ def test_memory_is_that_of_the_process_and_not_of_the_one_that_started_it() -> N
 
 
 def test_the_axis_of_conditions_has_times_memory_and_an_exponent() -> None:
-    """Of two small sessions; how cost grows is held by tests/analysis/comparison/test_many_conditions.py, by
-    counting."""
+    """Of two small sessions; how cost grows is held by
+    tests/analysis/comparison/test_many_conditions.py, by counting."""
     rows = conditions(1, True, (2, 4))
     assert [row["size"] for row in rows if row["kind"] == "scaling"] == [2, 4]
     assert [row["axis"] for row in rows if row["kind"] == "exponent"] == ["conditions"]

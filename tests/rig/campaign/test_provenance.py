@@ -5,7 +5,9 @@ import pytest
 from rig.campaign.provenance import cpu, provenance
 
 
-def test_the_processor_and_what_chooses_its_instructions_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_processor_and_what_chooses_its_instructions_are_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("NPY_DISABLE_CPU_FEATURES", "AVX512F")
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     found = provenance("text", 7, 1.0)["cpu"]

@@ -1,4 +1,6 @@
-"""The catalog: every number has an origin, names give the nearest, rig files are strict and survive a round trip."""
+"""The catalog: every number has an origin, names give the nearest, rig files are strict and survive
+a round trip.
+"""
 
 import dataclasses
 import math
@@ -49,14 +51,16 @@ def test_the_default_rig_states_every_number_it_holds() -> None:
 
 def test_the_file_of_the_default_rig_and_the_defaults_of_the_class_agree() -> None:
     rig = load_rig()
-    bare = Rig(name="default", exciter=exciter("JZ-30"))
+    bare = Rig(name="paper", exciter=exciter("JZ-30"))
     calibrated = {"loss_noise", "loss_air", "provenance", "values"}
     for item in dataclasses.fields(Rig):
         if item.name not in calibrated:
             assert getattr(rig, item.name) == getattr(bare, item.name), item.name
 
 
-@pytest.mark.parametrize(("name", "density"), [("alumina", 3400.0), ("stainless", 7900.0), ("heavy", 18400.0)])
+@pytest.mark.parametrize(
+    ("name", "density"), [("alumina", 3400.0), ("stainless", 7900.0), ("heavy", 18400.0)]
+)
 def test_densities_of_the_paper(name: str, density: float) -> None:
     assert material(name).density == density
 
@@ -68,13 +72,17 @@ def test_the_heavy_material_keeps_the_papers_label_in_words() -> None:
 
 @pytest.mark.parametrize("name", names("exciter"))
 def test_derived_exciter_figures(name: str) -> None:
-    """A steel rod of 3 mm x 150 mm: EA/L and the fixed-fixed Euler load pi^2 E I / (L/2)^2; E = 206 GPa, to 3 %."""
+    """A steel rod of 3 mm x 150 mm: EA/L and the fixed-fixed Euler load pi^2 E I / (L/2)^2; E = 206
+    GPa, to 3 %.
+    """
     unit = exciter(name)
     youngs, radius, length = 206e9, 1.5e-3, 0.15
     assert unit.stinger_stiffness == pytest.approx(youngs * math.pi * radius**2 / length, rel=0.03)
     buckling = math.pi**2 * youngs * math.pi * radius**4 / 4 / (length / 2) ** 2
     assert unit.stinger_buckling == pytest.approx(buckling, rel=0.03)
-    assert math.sqrt(unit.isolation_stiffness / unit.body_mass) / (2 * math.pi) == pytest.approx(5, rel=0.01)
+    assert math.sqrt(unit.isolation_stiffness / unit.body_mass) / (2 * math.pi) == pytest.approx(
+        5, rel=0.01
+    )
 
 
 def test_the_exciter_can_give_its_rated_force() -> None:
@@ -131,7 +139,12 @@ def test_a_rig_file_may_change_a_few_values(tmp_path: Path) -> None:
         "exciter: {preset: 2100E11, stroke: {value: 10, unit: mm, status: sourced, source: measured}}\n"
     )
     rig, default = load_rig(str(path)), load_rig()
-    assert (rig.name, rig.gauge_mass, rig.ranges["force"], rig.exciter.stroke) == ("mine", 0.03, 1.0, 0.01)
+    assert (rig.name, rig.gauge_mass, rig.ranges["force"], rig.exciter.stroke) == (
+        "mine",
+        0.03,
+        1.0,
+        0.01,
+    )
     assert rig.ranges["acceleration"] == default.ranges["acceleration"]
     assert rig.wall_friction == default.wall_friction
     assert rig.exciter == dataclasses.replace(exciter("2100E11"), stroke=0.01)
@@ -153,7 +166,9 @@ def test_dump_of_the_default_rig(tmp_path: Path) -> None:
 @given(
     noise=st.just(0.0) | st.floats(SMALLEST, 1e6),
     air=st.just(0.0) | st.floats(SMALLEST, 1e6),
-    note=st.dictionaries(st.text(min_size=1, max_size=20), st.floats(-1e9, 1e9) | st.text() | st.lists(st.integers())),
+    note=st.dictionaries(
+        st.text(min_size=1, max_size=20), st.floats(-1e9, 1e9) | st.text() | st.lists(st.integers())
+    ),
 )
 def test_identified_losses_survive_the_file(
     tmp_path_factory: pytest.TempPathFactory, noise: float, air: float, note: dict[str, object]
@@ -200,6 +215,8 @@ def test_loose_packing_denser_than_shaken_is_refused(tmp_path: Path) -> None:
     assert line.startswith("mine.yaml:2: packing_loose: found 0.7; allowed: at most packing_shaken")
 
 
-@pytest.mark.parametrize("text", ["", "[1]", "schema: rig/rig/1\nexciter: [a]", "schema: rig/rig/1\nprovenance: 3"])
+@pytest.mark.parametrize(
+    "text", ["", "[1]", "schema: rig/rig/1\nexciter: [a]", "schema: rig/rig/1\nprovenance: 3"]
+)
 def test_what_is_no_rig_file(text: str, tmp_path: Path) -> None:
     assert mistakes_of(text, tmp_path)

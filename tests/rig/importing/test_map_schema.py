@@ -14,19 +14,28 @@ ROOT = Path(__file__).parents[3]
 SCHEMA = Draft202012Validator(mapping_schema())
 HEAD = "schema: rig/map/1\nname: x\n"
 LEAST = HEAD + "force: {channel: F}\nacceleration: {channel: a}\n"
-IN_THE_DOCS = (ROOT / "docs" / "your-own-data.md").read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0]
+IN_THE_DOCS = (
+    (ROOT / "docs" / "your-own-data.md")
+    .read_text(encoding="utf-8")
+    .split("```yaml\n")[1]
+    .split("```")[0]
+)
 
 TAKEN = [
     LEAST,
-    IN_THE_DOCS.replace("time: {channel: \"t [s]\"}", "rate: 5120 Hz"),
+    IN_THE_DOCS.replace('time: {channel: "t [s]"}', "rate: 5120 Hz"),
     (ROOT / "examples" / "your_own_data" / "map.yaml").read_text(encoding="utf-8"),
-    HEAD + "force: {channel: 1, unit: mV, sensitivity: 2.25 mV/N, sign: -1}\nacceleration: {channel: 2, unit: g}\n",
-    HEAD + "force: {channel: F, time_constant: 2 s, delay: -20 us}\nacceleration: {channel: a, time_constant: none}\n",
+    HEAD
+    + "force: {channel: 1, unit: mV, sensitivity: 2.25 mV/N, sign: -1}\nacceleration: {channel: 2, unit: g}\n",
+    HEAD
+    + "force: {channel: F, time_constant: 2 s, delay: -20 us}\nacceleration: {channel: a, time_constant: none}\n",
     LEAST + "rate: 5.12 kHz\nfrequency: 20 Hz\nlength: 10 s\nsteady: {level: 1 %}\n",
-    LEAST + "time: {channel: t, unit: ms}\ncsv: {delimiter: ';', decimal: ',', skip: 3}\nformat: csv\n",
-    LEAST + "condition: {bed: locked, bed_mass: 30 kg}\nruns: [{file: a.csv}, {file: b, condition: {id: b}}]\n",
+    LEAST
+    + "time: {channel: t, unit: ms}\ncsv: {delimiter: ';', decimal: ',', skip: 3}\nformat: csv\n",
+    LEAST
+    + "condition: {bed: locked, bed_mass: 30 kg}\nruns: [{file: a.csv}, {file: b, condition: {id: b}}]\n",
     LEAST + "scene: {grains: {material: stainless, diameter: 4 mm, fill: 85 %}}\n",
-]  # fmt: skip
+]
 
 REFUSED = [
     HEAD,
@@ -73,6 +82,17 @@ def test_what_the_schema_refuses_the_reader_refuses(tmp_path: Path, text: str) -
 
 def test_every_field_is_offered() -> None:
     schema = mapping_schema()
-    assert set(schema["properties"]) == {path for path in paths_of(RecordMap) if "." not in path} | {"schema", "name"}
-    for kind in ("ForceColumn", "AccelerationColumn", "Known", "RunFile", "TimeColumn", "CsvText", "Steady", "Scene"):
+    assert set(schema["properties"]) == {
+        path for path in paths_of(RecordMap) if "." not in path
+    } | {"schema", "name"}
+    for kind in (
+        "ForceColumn",
+        "AccelerationColumn",
+        "Known",
+        "RunFile",
+        "TimeColumn",
+        "CsvText",
+        "Steady",
+        "Scene",
+    ):
         assert schema["$defs"][kind]["additionalProperties"] is False

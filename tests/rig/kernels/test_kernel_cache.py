@@ -10,9 +10,7 @@ import pytest
 from rig.kernels import drop_stale
 
 CALLEE = "from numba import njit\n\n@njit(cache=True)\ndef inner():\n    return {value}\n"
-CALLER = (
-    "from numba import njit\nfrom kernels.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
-)
+CALLER = "from numba import njit\nfrom kernels.callee import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
 ASK = """
 import sys
 from pathlib import Path
@@ -28,14 +26,17 @@ def answer(folder: Path, how: str) -> int:
     place = os.pathsep.join((str(folder), str(Path.cwd())))
     env = {**os.environ, "PYTHONPATH": place}
     command = [sys.executable, "-c", ASK, how]
-    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(
+        command, cwd=folder, env=env, capture_output=True, text=True, check=True, timeout=120
+    )
     return int(done.stdout)
 
 
 def test_a_change_in_one_folder_reaches_what_is_compiled_in_another(tmp_path: Path) -> None:
     """Only indexes older than the youngest module go, wherever in the package both lie."""
     callee, older, newer = (
-        tmp_path / "kernels" / name for name in ("rows/callee.py", "grains/__pycache__/a.nbi", "__pycache__/b.nbi")
+        tmp_path / "kernels" / name
+        for name in ("rows/callee.py", "grains/__pycache__/a.nbi", "__pycache__/b.nbi")
     )
     for path, seconds in ((older, 100), (callee, 200), (newer, 300)):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -79,7 +80,9 @@ def test_compiling_is_announced_once_and_loading_is_not(tmp_path: Path) -> None:
     env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(Path.cwd())))}
     command = [sys.executable, "-c", COMPILE]
     said = [
-        subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True, timeout=120)
+        subprocess.run(
+            command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True, timeout=120
+        )
         for _ in range(2)
     ]
     assert [done.stderr.count("compiling") for done in said] == [1, 0]

@@ -17,7 +17,9 @@ vary:
 
 
 def claims_of(*entries: str, grid: str = GRID) -> tuple[Expect, ...]:
-    return load_protocol(HEAD + grid + "expect:\n" + "".join(f"  - {{{entry}}}\n" for entry in entries)).expect
+    return load_protocol(
+        HEAD + grid + "expect:\n" + "".join(f"  - {{{entry}}}\n" for entry in entries)
+    ).expect
 
 
 def cases_of(entry: str, grid: str = GRID) -> list[dict[str, object]]:
@@ -34,8 +36,12 @@ def test_quantities_are_read_as_elsewhere_and_margins_have_defaults() -> None:
         "claim: a, nearly_zero: scene.bed, value: empty, full: layers",
         "claim: a, offset_within: [5.5 %, 8.5 %], per: scene.grains.material, imposed: it was put in",
     )
-    assert best == Expect("a", "optimum", "scene.grains.fill", (0.9,), {"drive.acceleration": (3.0, 5.0)})
-    assert order == Expect("a", "order", "scene.grains.material", ("alumina", "heavy"), over="drive.acceleration")
+    assert best == Expect(
+        "a", "optimum", "scene.grains.fill", (0.9,), {"drive.acceleration": (3.0, 5.0)}
+    )
+    assert order == Expect(
+        "a", "order", "scene.grains.material", ("alumina", "heavy"), over="drive.acceleration"
+    )
     assert rise.values == (0.001, 0.005)
     assert curve.limits == (0.1,)
     assert zero.limits == (0.02,)
@@ -67,7 +73,10 @@ def test_quantities_are_read_as_elsewhere_and_margins_have_defaults() -> None:
         ("claim: a, nearly_zero: scene.bed, value: emty, full: layers", "did you mean 'empty'?"),
         ("claim: a, offset_within: 7 %", "a list of two numbers"),
         ("claim: a, offset_within: [8 %, 5 %]", "the lower limit first"),
-        ("claim: a, offset_within: [5 %, 8 %], at: {scene.grain.fill: 1}", "did you mean 'scene.grains.fill'?"),
+        (
+            "claim: a, offset_within: [5 %, 8 %], at: {scene.grain.fill: 1}",
+            "did you mean 'scene.grains.fill'?",
+        ),
         ("claim: a, offset_within: [5 %, 8 %], at: 5", "found 5"),
         ("claim: a, offset_within: [5 %, 8 %], imposed: true", "found True"),
     ],
@@ -89,22 +98,40 @@ def test_a_claim_built_in_python_is_checked_too() -> None:
 
 def test_a_claim_is_judged_at_every_combination_of_the_others() -> None:
     assert cases_of("claim: a, optimum: scene.grains.fill, value: 90 %") == [
-        {"at": {"drive.acceleration": f"{a} m/s^2"}, "levels": [
-            {"value": v, "conditions": [c]} for v, c in zip(("0.00", "0.50", "0.90"), ids, strict=True)]}
+        {
+            "at": {"drive.acceleration": f"{a} m/s^2"},
+            "levels": [
+                {"value": v, "conditions": [c]}
+                for v, c in zip(("0.00", "0.50", "0.90"), ids, strict=True)
+            ],
+        }
         for a, ids in ((3, ("c01", "c03", "c05")), (5, ("c02", "c04", "c06")))
-    ]  # fmt: skip
+    ]
 
 
 def test_at_restricts_and_over_takes_conditions_together() -> None:
-    one = cases_of("claim: a, fall: scene.grains.fill, from: 90 %, to: 50 %, at: {drive.acceleration: 5}")
+    one = cases_of(
+        "claim: a, fall: scene.grains.fill, from: 90 %, to: 50 %, at: {drive.acceleration: 5}"
+    )
     assert one == [
-        {"at": {}, "levels": [{"value": "0.90", "conditions": ["c06"]}, {"value": "0.50", "conditions": ["c04"]}]}
+        {
+            "at": {},
+            "levels": [
+                {"value": "0.90", "conditions": ["c06"]},
+                {"value": "0.50", "conditions": ["c04"]},
+            ],
+        }
     ]
     both = cases_of(
         "claim: a, nearly_zero: scene.grains.fill, value: 0, full: 90 %, at: {scene.grains.fill: [0, 90 %]}"
     )
-    assert [case["at"] for case in both] == [{"drive.acceleration": "3 m/s^2"}, {"drive.acceleration": "5 m/s^2"}]
-    (mean,) = cases_of("claim: a, optimum: scene.grains.fill, value: 90 %, over: drive.acceleration")
+    assert [case["at"] for case in both] == [
+        {"drive.acceleration": "3 m/s^2"},
+        {"drive.acceleration": "5 m/s^2"},
+    ]
+    (mean,) = cases_of(
+        "claim: a, optimum: scene.grains.fill, value: 90 %, over: drive.acceleration"
+    )
     assert mean == {"at": {}, "levels": [
         {"value": "0.00", "conditions": ["c01", "c02"]}, {"value": "0.50", "conditions": ["c03", "c04"]},
         {"value": "0.90", "conditions": ["c05", "c06"]}]}  # fmt: skip
@@ -112,9 +139,14 @@ def test_at_restricts_and_over_takes_conditions_together() -> None:
 
 def test_offsets_are_taken_over_all_or_per_value() -> None:
     (whole,) = cases_of("claim: a, offset_within: [5 %, 8 %]")
-    assert whole == {"at": {}, "levels": [{"value": "", "conditions": [f"c0{n}" for n in range(1, 7)]}]}
+    assert whole == {
+        "at": {},
+        "levels": [{"value": "", "conditions": [f"c0{n}" for n in range(1, 7)]}],
+    }
     per = cases_of("claim: a, offset_within: [5 %, 8 %], per: scene.grains.fill")
-    assert [case["at"] for case in per] == [{"scene.grains.fill": v} for v in ("0.00", "0.50", "0.90")]
+    assert [case["at"] for case in per] == [
+        {"scene.grains.fill": v} for v in ("0.00", "0.50", "0.90")
+    ]
 
 
 def test_fields_that_vary_together_make_no_cases() -> None:
@@ -140,14 +172,20 @@ def test_labels_are_short() -> None:
 
 
 def test_dump_writes_margins_out() -> None:
-    text = dump_protocol(load_protocol(f"{HEAD}expect:\n  - {{claim: a, nonlinear: drive.acceleration}}\n"))
+    text = dump_protocol(
+        load_protocol(f"{HEAD}expect:\n  - {{claim: a, nonlinear: drive.acceleration}}\n")
+    )
     assert "margin: 0.1" in text
 
 
 def test_what_else_varies_is_named_with_its_value() -> None:
-    """What every condition of a report shows anyway (fill, level, bed) is left out, and so are whole groups."""
-    grid = "vary: {scene.slug.gap: [1 mm, 2 mm], scene.grains.fill: [0.5, 0.6], scene.losses: [[], [noise, air]]}\n"
-    protocol = load_protocol(f"schema: rig/protocol/1\nname: x\nscene: {{bed: slug}}\n{grid}")
+    """What every condition of a report shows anyway (fill, level, bed) is left out, and so are
+    whole groups.
+    """
+    grid = "vary: {scene.single_mass.gap: [1 mm, 2 mm], scene.grains.fill: [0.5, 0.6], scene.losses: [[], [noise, air]]}\n"
+    protocol = load_protocol(
+        f"schema: rig/protocol/1\nname: x\nscene: {{bed: single_mass}}\n{grid}"
+    )
     found = [varied(protocol, condition) for condition in conditions(protocol)]
     assert found[0] == {"gap": "1 mm", "losses": "none"}
     assert found[-1] == {"gap": "2 mm", "losses": "noise, air"}

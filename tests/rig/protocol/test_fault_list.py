@@ -56,7 +56,9 @@ def test_mistakes_are_told_with_their_place(fault: str, words: str) -> None:
     with pytest.raises(InputError) as caught:
         load_protocol(PLAIN + f"faults:\n  - {fault}\n")
     mistake = caught.value.mistakes[0]
-    assert len(caught.value.mistakes) == 1 + ("chanel" in fault)  # a key of another name is a missing one, too
+    assert len(caught.value.mistakes) == 1 + (
+        "chanel" in fault
+    )  # a key of another name is a missing one, too
     assert words in str(caught.value)
     assert mistake.where.startswith("protocol:5")
     assert mistake.field.startswith("faults[1]")

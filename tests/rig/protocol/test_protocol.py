@@ -13,7 +13,7 @@ from rig.protocol.spec import Drive, Grains, Protocol, Repeats, Scene, Vary
 LEAST = "schema: rig/protocol/1\nname: least\n"
 CONTRACT = """
 schema: rig/protocol/1
-rig: default
+rig: paper
 name: fill_rate
 question: Does the energy dissipated per cycle peak at 90 % fill?
 scene:
@@ -23,8 +23,8 @@ scene:
   bed: layers
   losses: [noise, air]
   support: none
-  layers: {play: 1, spread: 0.5, rows: 8, side_walls: false}
-drive: {mode: servo, frequency: 20 Hz, acceleration: 5 m/s^2}
+  layers: {clearance: 1, spread: 0.5, rows: 8, side_walls: false}
+drive: {mode: prescribed, frequency: 20 Hz, acceleration: 5 m/s^2}
 acquire: {analyzer: INV-3118, samples_per_cycle: 500, settle: 10 cycles, record: 40 cycles, sensors: {force: 208C03, acceleration: 352C33}}
 vary:
   scene.grains.fill: [0 %, 10 %, 30 %, 50 %, 70 %, 80 %, 85 %, 90 %, 95 %, 100 %]
@@ -36,7 +36,9 @@ faults: []
 
 
 def seeds(protocol: Protocol) -> dict[tuple[float, float], str]:
-    return {(c.scene.grains.fill, c.drive.acceleration): c.seed_key for c in conditions_of(protocol)}
+    return {
+        (c.scene.grains.fill, c.drive.acceleration): c.seed_key for c in conditions_of(protocol)
+    }
 
 
 def test_the_protocol_of_the_contract() -> None:
@@ -53,7 +55,9 @@ def test_the_protocol_of_the_contract() -> None:
     )
     conditions = conditions_of(protocol)
     assert [c.id for c in conditions[:2]] == ["c01", "c02"]
-    assert [(c.scene.grains.fill, c.drive.acceleration) for c in conditions] == [(f, a) for f in fills for a in levels]
+    assert [(c.scene.grains.fill, c.drive.acceleration) for c in conditions] == [
+        (f, a) for f in fills for a in levels
+    ]
     assert all(c.scene.grains.density == 7900.0 for c in conditions)
 
 
@@ -64,7 +68,9 @@ def test_the_least_protocol_is_the_defaults() -> None:
 
 def test_template_is_the_defaults_and_one_axis() -> None:
     protocol = load_protocol(protocol_template())
-    assert dataclasses.replace(protocol, vary=()) == Protocol(name="my_experiment", question=protocol.question)
+    assert dataclasses.replace(protocol, vary=()) == Protocol(
+        name="my_experiment", question=protocol.question
+    )
     assert protocol.vary
     commented = [line for line in protocol_template().splitlines() if "#" in line]
     assert len(commented) > 15
@@ -72,17 +78,24 @@ def test_template_is_the_defaults_and_one_axis() -> None:
 
 def test_repeats_may_be_a_plain_number() -> None:
     assert load_protocol(f"{LEAST}repeats: 7\n").repeats == Repeats(n=7)
-    assert load_protocol(f"{LEAST}repeats: 7\n", sets=["repeats.refill=false"]).repeats == Repeats(n=7, refill=False)
+    assert load_protocol(f"{LEAST}repeats: 7\n", sets=["repeats.refill=false"]).repeats == Repeats(
+        n=7, refill=False
+    )
 
 
 def test_values_under_zip_vary_together() -> None:
     protocol = load_protocol(
         f"{LEAST}vary:\n  scene.bed: [layers, locked]\n"
         "  zip: {scene.grains.diameter: [2 mm, 4 mm], drive.acceleration: [3, 5]}\n"
-        "  zip.more: {drive.frequency: [10, 20], scene.layers.play: [0.5, 1]}\n"
+        "  zip.more: {drive.frequency: [10, 20], scene.layers.clearance: [0.5, 1]}\n"
     )
-    seen = [(c.scene.bed, c.scene.grains.diameter, c.drive.acceleration) for c in conditions_of(protocol)[::2]]
-    assert seen == [(bed, d, a) for bed in ("layers", "locked") for d, a in ((0.002, 3.0), (0.004, 5.0))]
+    seen = [
+        (c.scene.bed, c.scene.grains.diameter, c.drive.acceleration)
+        for c in conditions_of(protocol)[::2]
+    ]
+    assert seen == [
+        (bed, d, a) for bed in ("layers", "locked") for d, a in ((0.002, 3.0), (0.004, 5.0))
+    ]
     assert load_protocol(dump_protocol(protocol)) == protocol
 
 
@@ -91,7 +104,11 @@ def test_an_axis_may_hold_lists_and_whole_parts() -> None:
         f"{LEAST}vary:\n  scene.losses: [[noise], [noise, air], []]\n"
         "  scene.grains: [{material: heavy}, {material: alumina, fill: 50 %}]\n"
     )
-    assert [c.scene.losses for c in conditions_of(protocol)[::2]] == [("noise",), ("noise", "air"), ()]
+    assert [c.scene.losses for c in conditions_of(protocol)[::2]] == [
+        ("noise",),
+        ("noise", "air"),
+        (),
+    ]
     assert conditions_of(protocol)[1].scene.grains == Grains("alumina", 0.004, 0.5, 3400.0)
     assert load_protocol(dump_protocol(protocol)) == protocol
 
@@ -99,14 +116,23 @@ def test_an_axis_may_hold_lists_and_whole_parts() -> None:
 def test_density_from_the_catalog_unless_given() -> None:
     text = f"{LEAST}scene: {{grains: {{material: heavy, density: 15.7 g/cm3}}}}\n"
     assert conditions_of(load_protocol(text))[0].scene.grains.density == 15700.0
-    assert conditions_of(load_protocol(text, sets=["scene.grains.density=null"]))[0].scene.grains.density == 18400.0
+    assert (
+        conditions_of(load_protocol(text, sets=["scene.grains.density=null"]))[
+            0
+        ].scene.grains.density
+        == 18400.0
+    )
 
 
 def test_seeds_hang_on_content() -> None:
-    """More values, other losses, support, instruments, waveform: the bed of a condition stays the same bed."""
+    """More values, other losses, support, instruments, waveform: the bed of a condition stays the
+    same bed.
+    """
     before = seeds(load_protocol(CONTRACT))
     assert len(set(before.values())) == len(before)
-    more = load_protocol(CONTRACT, varies=["scene.grains.fill=[0.2, 0.85, 0.9]", "drive.acceleration=[1, 5]"])
+    more = load_protocol(
+        CONTRACT, varies=["scene.grains.fill=[0.2, 0.85, 0.9]", "drive.acceleration=[1, 5]"]
+    )
     assert seeds(more)[0.85, 5.0] == before[0.85, 5.0]
     for change in (
         "scene.losses=[]",
@@ -118,8 +144,15 @@ def test_seeds_hang_on_content() -> None:
         "seed=1",
     ):
         assert seeds(load_protocol(CONTRACT, sets=[change])) == before, change
-    for change in ("scene.grains.material=heavy", "scene.layers.rows=9", "drive.frequency=21 Hz", "scene.bed=locked"):
-        assert not set(seeds(load_protocol(CONTRACT, sets=[change])).values()) & set(before.values()), change
+    for change in (
+        "scene.grains.material=heavy",
+        "scene.layers.rows=9",
+        "drive.frequency=21 Hz",
+        "scene.bed=locked",
+    ):
+        assert not set(seeds(load_protocol(CONTRACT, sets=[change])).values()) & set(
+            before.values()
+        ), change
 
 
 def test_seeds_do_not_depend_on_how_a_number_is_typed() -> None:
@@ -128,21 +161,40 @@ def test_seeds_do_not_depend_on_how_a_number_is_typed() -> None:
 
 
 def test_set_replaces_and_ends_an_axis() -> None:
-    protocol = load_protocol(CONTRACT, sets=["scene.grains.fill=50 %", "scene.slug.gap=none", "scene.cavity.wall=4 mm"])
+    protocol = load_protocol(
+        CONTRACT,
+        sets=["scene.grains.fill=50 %", "scene.single_mass.gap=none", "scene.cavity.wall=4 mm"],
+    )
     assert [axis.paths for axis in protocol.vary] == [("drive.acceleration",)]
-    assert (protocol.scene.grains.fill, protocol.scene.slug.gap, protocol.scene.cavity.wall) == (0.5, "none", 0.004)
+    assert (
+        protocol.scene.grains.fill,
+        protocol.scene.single_mass.gap,
+        protocol.scene.cavity.wall,
+    ) == (
+        0.5,
+        "none",
+        0.004,
+    )
     assert protocol.scene.cavity.length == 0.15
 
 
 def test_vary_replaces_in_place_or_adds_at_the_end() -> None:
-    protocol = load_protocol(CONTRACT, varies=["scene.grains.fill=[0.5,0.9]", "scene.bed=[layers, locked]"])
-    assert [axis.paths[0] for axis in protocol.vary] == ["scene.grains.fill", "drive.acceleration", "scene.bed"]
+    protocol = load_protocol(
+        CONTRACT, varies=["scene.grains.fill=[0.5,0.9]", "scene.bed=[layers, locked]"]
+    )
+    assert [axis.paths[0] for axis in protocol.vary] == [
+        "scene.grains.fill",
+        "drive.acceleration",
+        "scene.bed",
+    ]
     assert protocol.vary[0].rows == ((0.5,), (0.9,))
     zipped = f"{LEAST}vary: {{zip: {{scene.grains.diameter: [2 mm, 4 mm], drive.acceleration: [3, 5]}}}}\n"
     changed = load_protocol(zipped, varies=["drive.acceleration=[1, 2]"])
     assert changed.vary[0].rows == ((0.002, 1.0), (0.004, 2.0))
     assert load_protocol(zipped, sets=["vary.drive.acceleration=[1, 2]"]) == changed
-    assert load_protocol(zipped, sets=["drive.acceleration=1"]).vary[0].paths == ("scene.grains.diameter",)
+    assert load_protocol(zipped, sets=["drive.acceleration=1"]).vary[0].paths == (
+        "scene.grains.diameter",
+    )
 
 
 def test_seed_and_rig_from_the_command_line(tmp_path: Path) -> None:
@@ -167,12 +219,19 @@ def test_the_text_is_kept_verbatim(tmp_path: Path) -> None:
 
 
 def test_aliases_are_expanded() -> None:
-    protocol = load_protocol(f"{LEAST}vary:\n  scene.grains.fill: &v [0.1, 0.2]\n  scene.layers.play: *v\n")
+    protocol = load_protocol(
+        f"{LEAST}vary:\n  scene.grains.fill: &v [0.1, 0.2]\n  scene.layers.clearance: *v\n"
+    )
     assert protocol.vary[0].rows == protocol.vary[1].rows
 
 
 def test_a_protocol_built_in_python_is_checked_too() -> None:
-    protocol = Protocol("x", scene=Scene(grains=Grains(fill=1.2)), vary=(Vary(("drive.frequncy",), ((1.0,),)),))
+    protocol = Protocol(
+        "x", scene=Scene(grains=Grains(fill=1.2)), vary=(Vary(("drive.frequncy",), ((1.0,),)),)
+    )
     with pytest.raises(InputError) as caught:
         conditions_of(protocol)
-    assert [mistake.field for mistake in caught.value.mistakes] == ["scene.grains.fill", "vary.drive.frequncy"]
+    assert [mistake.field for mistake in caught.value.mistakes] == [
+        "scene.grains.fill",
+        "vary.drive.frequncy",
+    ]

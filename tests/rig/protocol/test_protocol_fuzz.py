@@ -1,4 +1,6 @@
-"""Mutated protocols: a protocol, or a list of mistakes with their places. Nothing else ever comes out."""
+"""Mutated protocols: a protocol, or a list of mistakes with their places. Nothing else ever comes
+out.
+"""
 
 import random
 from collections import Counter
@@ -14,16 +16,72 @@ from rig.protocol.load import dump_protocol, load_protocol
 ROOT = Path(__file__).parents[3]
 SOURCES = sorted((ROOT / "protocols").rglob("*.yaml"))
 VALUES = (
-    "", "null", "true", "-1", "0", "1e308", "-1e308", "1e-320", "99999999999999999999", ".nan", ".inf", "[]", "{}",
-    "[1, [2, [3]]]", "{a: {b: {c: d}}}", "'20'", "20 Hz", "20 mm", "5 m/s^2", "-3 %", "300 %", "x" * 300, "größe",
-    "!!python/object:os.system x", "&a [*a]", "*nothing", "|\n  text", "\t", "none", "layers", "[layers, slug, grains]",
-    "1 2 3", "0x10", "1_000", "~", "@", "\x00", "\x1b[2J", "- - -", "? :", "2026-11-22", "12:30:45", "yes", "=",
+    "",
+    "null",
+    "true",
+    "-1",
+    "0",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "99999999999999999999",
+    ".nan",
+    ".inf",
+    "[]",
+    "{}",
+    "[1, [2, [3]]]",
+    "{a: {b: {c: d}}}",
+    "'20'",
+    "20 Hz",
+    "20 mm",
+    "5 m/s^2",
+    "-3 %",
+    "300 %",
+    "x" * 300,
+    "größe",
+    "!!python/object:os.system x",
+    "&a [*a]",
+    "*nothing",
+    "|\n  text",
+    "\t",
+    "none",
+    "layers",
+    "[layers, single_mass, grains]",
+    "1 2 3",
+    "0x10",
+    "1_000",
+    "~",
+    "@",
+    "\x00",
+    "\x1b[2J",
+    "- - -",
+    "? :",
+    "2026-11-22",
+    "12:30:45",
+    "yes",
+    "=",
     "<<: *a",
-)  # fmt: skip
+)
 KEYS = (
-    "scene", "grains", "fill", "vary", "zip", "repeats", "seed", "drive.acceleration", "scene.bed", "schema", "mistake",
-    "faults", "expect", "rig", "name", "__class__", "", "0",
-)  # fmt: skip
+    "scene",
+    "grains",
+    "fill",
+    "vary",
+    "zip",
+    "repeats",
+    "seed",
+    "drive.acceleration",
+    "scene.bed",
+    "schema",
+    "deliberate_error",
+    "faults",
+    "expect",
+    "rig",
+    "name",
+    "__class__",
+    "",
+    "0",
+)
 
 
 def mutated(text: str, rng: random.Random) -> str:
@@ -35,7 +93,12 @@ def mutated(text: str, rng: random.Random) -> str:
             case 0:  # another value
                 lines[at] = line.partition(":")[0] + ": " + rng.choice(VALUES)
             case 1:  # another key
-                lines[at] = " " * (len(line) - len(line.lstrip())) + rng.choice(KEYS) + ":" + line.partition(":")[2]
+                lines[at] = (
+                    " " * (len(line) - len(line.lstrip()))
+                    + rng.choice(KEYS)
+                    + ":"
+                    + line.partition(":")[2]
+                )
             case 2:
                 del lines[at]
             case 3:
@@ -44,14 +107,18 @@ def mutated(text: str, rng: random.Random) -> str:
                 lines[at] = " " * rng.randrange(9) + line.lstrip()
             case 5 if line:
                 place = rng.randrange(len(line))
-                lines[at] = line[:place] + rng.choice("{}[]:,&*!|>'\"%@`#- \t\x00é0") + line[place + 1 :]
+                lines[at] = (
+                    line[:place] + rng.choice("{}[]:,&*!|>'\"%@`#- \t\x00é0") + line[place + 1 :]
+                )
             case 6:
                 other = rng.randrange(len(lines))
                 lines[at], lines[other] = lines[other], lines[at]
             case 7:
                 return text[: rng.randrange(len(text) + 1)]
             case 8:
-                lines.insert(at, f"{' ' * rng.randrange(5)}{rng.choice(KEYS)}: {rng.choice(VALUES)}")
+                lines.insert(
+                    at, f"{' ' * rng.randrange(5)}{rng.choice(KEYS)}: {rng.choice(VALUES)}"
+                )
             case 9:
                 words = line.split(" ")
                 words[rng.randrange(len(words))] = rng.choice(VALUES)

@@ -1,4 +1,6 @@
-"""Random protocols survive the file; damaged files give a protocol or a list of mistakes, nothing else."""
+"""Random protocols survive the file; damaged files give a protocol or a list of mistakes, nothing
+else.
+"""
 
 import random
 from dataclasses import replace
@@ -13,7 +15,7 @@ from rig.catalog.entries_by_name import names, sensors_for
 from rig.documents.yaml_writer import write_text, write_yaml
 from rig.errors import InputError
 from rig.protocol.claims import KINDS
-from rig.protocol.deliberate_errors import BadPractice
+from rig.protocol.deliberate_errors import DeliberateError
 from rig.protocol.grid import conditions
 from rig.protocol.load import dump_protocol, load_protocol, protocol_template
 from rig.protocol.spec import (
@@ -30,7 +32,7 @@ from rig.protocol.spec import (
     Repeats,
     Scene,
     Sensors,
-    Slug,
+    SingleMass,
     Vary,
 )
 from rig.units import SMALLEST
@@ -41,15 +43,17 @@ def sizes(least: float, most: float, **ends: bool) -> st.SearchStrategy[float]:
     return st.floats(least, most, **ends).filter(lambda x: x == 0 or abs(x) >= SMALLEST)
 
 
-# Ranges inside which every combination fits: grains smaller than any cavity, at least one layer and at most 20000,
-# at most 200 Hz so that 500 samples per cycle stay below the analyzer's 102.4 kS/s.
+# Ranges inside which every combination fits: grains smaller than any cavity, at least one layer and
+# at most 20000, at most 200 Hz so that 500 samples per cycle stay below the analyzer's 102.4 kS/s.
 fractions = sizes(0, 1)
 fills = sizes(0.1, 1)
 diameters = sizes(1e-3, 1e-2)
 frequencies = sizes(5, 200)
 levels = sizes(1e-3, 1e3)
 counts = st.integers(1, 500)
-losses = st.permutations(LOSSES).flatmap(lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n])))
+losses = st.permutations(LOSSES).flatmap(
+    lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n]))
+)
 grains = st.builds(
     Grains, st.sampled_from(names("material")), diameters, fills, st.none() | sizes(1, 3e4)
 )  # fmt: skip
@@ -61,8 +65,8 @@ scenes = st.builds(
     losses=losses,
     support=st.sampled_from(("none", "cords", "guide")),
     layers=st.builds(Layers, sizes(0, 1000), fractions, st.integers(1, 500), st.booleans()),
-    slug=st.builds(
-        Slug,
+    single_mass=st.builds(
+        SingleMass,
         fractions,
         st.none() | st.just("none") | sizes(0, 0.02, exclude_max=True),
         sizes(0, 10),
@@ -88,7 +92,7 @@ acquires = st.builds(
         st.sampled_from((*sensors_for("force"), "ideal")),
         st.sampled_from((*sensors_for("acceleration"), "ideal")),
     ),
-    allow_undersampled=st.booleans(),
+    paper_rule=st.booleans(),
 )
 VALUES: dict[str, st.SearchStrategy[Any]] = {
     "scene.grains.fill": fills,
@@ -97,7 +101,7 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
     "scene.losses": losses,
     "scene.layers.rows": st.integers(1, 500),
     "scene.layers.side_walls": st.booleans(),
-    "scene.slug.gap": st.none() | st.just("none") | sizes(0, 0.02, exclude_max=True),
+    "scene.single_mass.gap": st.none() | st.just("none") | sizes(0, 0.02, exclude_max=True),
     "scene.dashpot": st.builds(Dashpot, sizes(0, 1e9)),
     "drive.frequency": frequencies,
     "drive.acceleration": levels,
@@ -107,7 +111,9 @@ VALUES: dict[str, st.SearchStrategy[Any]] = {
 
 @st.composite
 def grids(draw: st.DrawFn) -> tuple[Vary, ...]:
-    """Up to four axes of one to three paths each, no row twice in its first column: no condition stands twice."""
+    """Up to four axes of one to three paths each, no row twice in its first column: no condition
+    stands twice.
+    """
     paths = draw(st.lists(st.sampled_from(sorted(VALUES)), unique=True, max_size=6))
     axes = []
     while paths:
@@ -116,7 +122,10 @@ def grids(draw: st.DrawFn) -> tuple[Vary, ...]:
         first = draw(st.lists(VALUES[mine[0]], min_size=1, max_size=3, unique=True))
         columns = [
             first,
-            *(draw(st.lists(VALUES[path], min_size=len(first), max_size=len(first))) for path in mine[1:]),
+            *(
+                draw(st.lists(VALUES[path], min_size=len(first), max_size=len(first)))
+                for path in mine[1:]
+            ),
         ]
         axes.append(Vary(tuple(mine), tuple(zip(*columns, strict=True))))
     return tuple(axes)
@@ -132,32 +141,52 @@ def claims(draw: st.DrawFn) -> Expect:
     """Any claim that a protocol file can hold."""
     kind = draw(st.sampled_from(sorted(KINDS)))
     paths = draw(st.lists(st.sampled_from(CLAIMED), unique=True, max_size=2))
-    parts: dict[str, Any] = {"claim": draw(words), "kind": kind, "imposed": draw(st.just("") | words)}
-    parts["at"] = {path: tuple(draw(st.lists(VALUES[path], min_size=1, max_size=2))) for path in paths}
-    path = parts["path"] = "drive.acceleration" if kind == "nonlinear" else draw(st.sampled_from(CLAIMED))
-    several = {"optimum": (1, 3), "order": (2, 3), "rise": (2, 2), "fall": (2, 2), "nearly_zero": (2, 2)}
+    parts: dict[str, Any] = {
+        "claim": draw(words),
+        "kind": kind,
+        "imposed": draw(st.just("") | words),
+    }
+    parts["at"] = {
+        path: tuple(draw(st.lists(VALUES[path], min_size=1, max_size=2))) for path in paths
+    }
+    path = parts["path"] = (
+        "drive.acceleration" if kind == "nonlinear" else draw(st.sampled_from(CLAIMED))
+    )
+    several = {
+        "optimum": (1, 3),
+        "order": (2, 3),
+        "rise": (2, 2),
+        "fall": (2, 2),
+        "nearly_zero": (2, 2),
+    }
     if kind in several:
         least, most = several[kind]
-        wide = path if path != "scene.layers.side_walls" else "scene.grains.fill"  # it has two values only
+        wide = (
+            path if path != "scene.layers.side_walls" else "scene.grains.fill"
+        )  # it has two values only
         parts["path"] = wide
-        parts["values"] = tuple(draw(st.lists(VALUES[wide], min_size=least, max_size=most, unique=True)))
+        parts["values"] = tuple(
+            draw(st.lists(VALUES[wide], min_size=least, max_size=most, unique=True))
+        )
     if "over" in KINDS[kind]:
         parts["over"] = draw(st.just("") | st.sampled_from(CLAIMED))
     if "margin" in KINDS[kind]:
         parts["limits"] = (draw(margins),)
     if kind == "offset_within":
         parts["path"] = draw(st.just("") | st.just(path))
-        parts["limits"] = tuple(sorted(draw(st.lists(sizes(-1, 100), min_size=2, max_size=2, unique=True))))
+        parts["limits"] = tuple(
+            sorted(draw(st.lists(sizes(-1, 100), min_size=2, max_size=2, unique=True)))
+        )
     return Expect(**parts)
 
 
 mistakes = st.one_of(
-    st.just(BadPractice()),
-    st.builds(BadPractice, corners=sizes(-0.9, 10)),
-    st.builds(BadPractice, skew=st.integers(1, 1000)),
-    st.builds(BadPractice, clock=sizes(1e-9, 1000)),
-    st.builds(BadPractice, offset=sizes(-1, 1)),
-    st.builds(BadPractice, coil=st.booleans()),
+    st.just(DeliberateError()),
+    st.builds(DeliberateError, corners=sizes(-0.9, 10)),
+    st.builds(DeliberateError, skew=st.integers(1, 1000)),
+    st.builds(DeliberateError, clock=sizes(1e-9, 1000)),
+    st.builds(DeliberateError, offset=sizes(-1, 1)),
+    st.builds(DeliberateError, coil=st.booleans()),
 )
 protocols = st.builds(
     Protocol,
@@ -175,7 +204,9 @@ protocols = st.builds(
 found_by_auto = ("scene.layers.rows", "acquire.record")
 with_tolerance = st.builds(
     replace,
-    protocols.filter(lambda p: not any(path in found_by_auto for axis in p.vary for path in axis.paths)),
+    protocols.filter(
+        lambda p: not any(path in found_by_auto for axis in p.vary for path in axis.paths)
+    ),
     fidelity=st.just("auto"),
     tolerance=st.none() | sizes(0, 1, exclude_min=True),
 )
@@ -193,7 +224,9 @@ def test_load_of_dump_is_identity(protocol: Protocol) -> None:
 
 
 def test_a_minus_zero_is_written_as_a_zero() -> None:
-    text = dump_protocol(Protocol(name="x", expect=(Expect("words", "offset_within", limits=(-0.0, 1.0)),)))
+    text = dump_protocol(
+        Protocol(name="x", expect=(Expect("words", "offset_within", limits=(-0.0, 1.0)),))
+    )
     assert "-0.0" not in text
     assert dump_protocol(load_protocol(text)) == text
 
@@ -201,14 +234,35 @@ def test_a_minus_zero_is_written_as_a_zero() -> None:
 @quick
 @given(st.text())
 def test_any_text_is_written_so_that_it_is_read_back(text: str) -> None:
-    assert load_protocol(f"schema: rig/protocol/1\nname: x\nquestion: {write_text(text)}\n").question == text
+    assert (
+        load_protocol(f"schema: rig/protocol/1\nname: x\nquestion: {write_text(text)}\n").question
+        == text
+    )
     assert yaml.safe_load(f'{{a: {write_text(text)}, "b": 1}}')["b"] == 1
 
 
 def test_plain_texts_are_texts_for_other_readers_too() -> None:
-    """Model names, units and words as the files hold them: PyYAML, which follows YAML 1.1, sees the same text."""
-    for text in ("INV-3118", "5 m/s^2", "85 %", "layers", "rig/protocol/1", "1e5", "2100E11", "true", "null", "12:30"):
-        assert load_protocol(f"schema: rig/protocol/1\nname: x\nquestion: {write_text(text)}\n").question == text
+    """Model names, units and words as the files hold them: PyYAML, which follows YAML 1.1, sees the
+    same text.
+    """
+    for text in (
+        "INV-3118",
+        "5 m/s^2",
+        "85 %",
+        "layers",
+        "rig/protocol/1",
+        "1e5",
+        "2100E11",
+        "true",
+        "null",
+        "12:30",
+    ):
+        assert (
+            load_protocol(
+                f"schema: rig/protocol/1\nname: x\nquestion: {write_text(text)}\n"
+            ).question
+            == text
+        )
         assert yaml.safe_load(write_yaml({"a": text}))["a"] == text
 
 

@@ -10,8 +10,12 @@ from rig.protocol.load import load_protocol
 from rig.protocol.seed_keys import LATER, NO_CONTENT, SCENE
 from rig.protocol.spec import Scene
 
-WRITTEN_DOWN = json.loads((Path(__file__).parents[2] / "data" / "seed_keys.json").read_text(encoding="utf-8"))
-"""Protocol -> condition -> its key, as they were when the names of `rig.protocol.seed_keys` were frozen."""
+WRITTEN_DOWN = json.loads(
+    (Path(__file__).parents[2] / "data" / "seed_keys.json").read_text(encoding="utf-8")
+)
+"""Protocol -> condition -> its key, as they were when the names of `rig.protocol.seed_keys` were
+frozen.
+"""
 
 
 def leaves(part: object, prefix: str = "") -> set[str]:
@@ -19,7 +23,11 @@ def leaves(part: object, prefix: str = "") -> set[str]:
     if not is_dataclass(part):
         return {prefix}
     inside = ((item.name, getattr(part, item.name)) for item in fields(part))
-    return {path for name, value in inside for path in leaves(value, f"{prefix}.{name}" if prefix else name)}
+    return {
+        path
+        for name, value in inside
+        for path in leaves(value, f"{prefix}.{name}" if prefix else name)
+    }
 
 
 def test_shipped_protocols_keep_their_conditions_and_seeds() -> None:

@@ -1,4 +1,6 @@
-"""Shipped protocols go by name, in every command that takes a protocol; a file of that name comes first."""
+"""Shipped protocols go by name, in every command that takes a protocol; a file of that name comes
+first.
+"""
 
 from pathlib import Path
 
@@ -14,18 +16,25 @@ ROOT = Path(__file__).parents[3]
 
 
 def test_every_protocol_of_the_repository_has_a_name() -> None:
-    files = {path.relative_to(ROOT / "protocols").as_posix() for path in (ROOT / "protocols").rglob("*.yaml")}
+    files = {
+        path.relative_to(ROOT / "protocols").as_posix()
+        for path in (ROOT / "protocols").rglob("*.yaml")
+    }
     assert {f"{name}.yaml" for name in shipped.names()} == files
     assert {"fill_rate", "gallery/skew"} <= set(shipped.names())
 
 
 @pytest.mark.parametrize("name", shipped.names())
-def test_a_name_is_read_anywhere(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_name_is_read_anywhere(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert load_protocol(name) == load_protocol(ROOT / "protocols" / f"{name}.yaml")
 
 
-def test_a_file_comes_first_and_a_folder_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_comes_first_and_a_folder_does_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("density").mkdir()
     Path("fill_rate").write_text("schema: rig/protocol/1\nname: mine\n", encoding="utf-8")
@@ -33,7 +42,9 @@ def test_a_file_comes_first_and_a_folder_does_not(tmp_path: Path, monkeypatch: p
     assert load_protocol("density").name == "density"
 
 
-@pytest.mark.parametrize("words", [["run"], ["check"], ["model"], ["calibrate", "--target", "0.07", "--out", "x.yaml"]])
+@pytest.mark.parametrize(
+    "words", [["run"], ["check"], ["model"], ["calibrate", "--target", "0.07", "--out", "x.yaml"]]
+)
 def test_a_name_that_is_not_shipped_is_told_the_nearest(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -47,7 +58,9 @@ def test_a_name_that_is_not_shipped_is_told_the_nearest(
 
 
 @pytest.mark.parametrize("path", ["protocols/fill_rate.yaml", "fill_rate.yaml", "gallery/scew"])
-def test_a_path_that_is_not_there_is_told_the_name(path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_that_is_not_there_is_told_the_name(
+    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=r"did you mean '(fill_rate|gallery/skew)'\?"):
         load_protocol(path)

@@ -18,16 +18,25 @@ def made(*sets: str) -> Campaign:
 
 def test_without_being_asked_nothing_is_there() -> None:
     for channel, state in zip(made().instruments.channels, made().instruments.states, strict=True):
-        assert (channel.coupling, channel.corner, state.corner, state.bend) == ("DC", None, None, (0.0, 0.0))
+        assert (channel.coupling, channel.corner, state.corner, state.bend) == (
+            "DC",
+            None,
+            None,
+            (0.0, 0.0),
+        )
         assert channel.transducer.resonance is None
         assert channel.transducer.noise_spots == ()
 
 
 def test_the_sheets_extras_come_where_asked() -> None:
-    force, acceleration = made("acquire.effects=[linearity, resonance, flicker]").instruments.channels
+    force, acceleration = made(
+        "acquire.effects=[linearity, resonance, flicker]"
+    ).instruments.channels
     assert (force.transducer.linearity, force.transducer.resonance) == (0.01, 36e3)
     assert acceleration.transducer.resonance == 50e3
-    assert acceleration.transducer.noise_spots == pytest.approx([9.80665e-6 * s for s in (39, 11, 3.4, 1.4)])
+    assert acceleration.transducer.noise_spots == pytest.approx(
+        [9.80665e-6 * s for s in (39, 11, 3.4, 1.4)]
+    )
     assert force.transducer.noise_spots == ()  # none on its sheet
 
 
@@ -36,7 +45,9 @@ def test_one_word_for_all_channels_or_one_for_each() -> None:
     each = load_protocol(PLAIN, ["acquire.coupling={force: IEPE, acceleration: IEPE}"])
     assert every == each
     assert load_protocol(dump_protocol(every)) == every
-    mixed = load_protocol(PLAIN, ["acquire.coupling.force=AC", "acquire.ranges={force: 1 V, acceleration: auto}"])
+    mixed = load_protocol(
+        PLAIN, ["acquire.coupling.force=AC", "acquire.ranges={force: 1 V, acceleration: auto}"]
+    )
     assert load_protocol(dump_protocol(mixed)) == mixed
 
 
@@ -47,14 +58,20 @@ def test_a_corner_is_certified_as_on_the_sheet_and_drawn() -> None:
     assert len(set(corners)) == 2
     assert all(corner is not None and 0.45 <= corner <= 0.55 for corner in corners)
     assert [info.corner for info in tools.table(10240.0, 0.0)] == [0.5, 0.5]
-    assert [info.clips_at for info in made("acquire.coupling=IEPE").instruments.table(1e4, 0.0)] == [5.0, 5.0]
+    assert [
+        info.clips_at for info in made("acquire.coupling=IEPE").instruments.table(1e4, 0.0)
+    ] == [5.0, 5.0]
 
 
 def test_ranges_left_to_the_look_ahead() -> None:
-    """5 m/s^2 on 10.2 mV/(m/s^2) is 51 mV: 0.1 V is less than twice that, and 1 V is the next; impacts reach 0.8 V."""
+    """5 m/s^2 on 10.2 mV/(m/s^2) is 51 mV: 0.1 V is less than twice that, and 1 V is the next;
+    impacts reach 0.8 V.
+    """
     channels = made("acquire.ranges=auto").instruments.channels
     assert [channel.range_V for channel in channels] == [10.0, 1.0]
-    light = made("acquire.ranges=auto", "scene.bed=empty", "drive.acceleration=1.5").instruments.channels
+    light = made(
+        "acquire.ranges=auto", "scene.bed=empty", "drive.acceleration=1.5"
+    ).instruments.channels
     assert [channel.range_V for channel in light] == [0.1, 0.1]  # 18 N are 40 mV; 15 mV
     given = made("acquire.ranges={force: 1 V, acceleration: 0.1 V}").instruments.channels
     assert [channel.range_V for channel in given] == [1.0, 0.1]
@@ -68,12 +85,19 @@ def test_ranges_left_to_the_look_ahead() -> None:
         ("acquire.coupling=IEP", "did you mean 'IEPE'?"),
         ("acquire.effects=[resonanc]", "did you mean 'resonance'?"),
         ("acquire.effects=skew", "a list of"),
-        ("acquire={coupling: IEPE, sensors: {acceleration: dc-accelerometer}}", "no amplifier to feed"),
+        (
+            "acquire={coupling: IEPE, sensors: {acceleration: dc-accelerometer}}",
+            "no amplifier to feed",
+        ),
         ("acquire={coupling: AC}\n", ""),
     ],
 )
 def test_what_does_not_fit_is_told(change: str, words: str) -> None:
-    sets = [change.strip()] if words else [change.strip(), "drive.frequency=0.4", "acquire.samples_per_cycle=1000"]
+    sets = (
+        [change.strip()]
+        if words
+        else [change.strip(), "drive.frequency=0.4", "acquire.samples_per_cycle=1000"]
+    )
     with pytest.raises(InputError, match=words or "below the coupling's corner") as caught:
         load_protocol(PLAIN, sets)
     assert "acquire" in str(caught.value)

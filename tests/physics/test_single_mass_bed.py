@@ -1,4 +1,6 @@
-"""Bed `slug` in the stand and in W_T: joules against closed forms, ledger, static weight, and orbits that jump."""
+"""Bed `single_mass` in the stand and in W_T: joules against closed forms, ledger, static weight,
+and orbits that jump.
+"""
 
 import math
 from dataclasses import replace
@@ -10,13 +12,13 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from rig.beds.janssen_stack import bed_mass, nominal, refill
-from rig.beds.single_mass import SlugBed, free_gap, slug
+from rig.beds.single_mass import SingleMassBed, free_gap, single_mass
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform, waveform
 from rig.errors import InputError
 from rig.prediction.document import model_row, prediction_document
-from rig.prediction.model import READ, SLUG_LEVELS, misread, predict, predict_about
-from rig.protocol.spec import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, Slug
+from rig.prediction.model import READ, SINGLE_MASS_LEVELS, misread, predict, predict_about
+from rig.protocol.spec import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, SingleMass
 from rig.stand.box import box_mass
 from rig.stand.ledger import CLOSES, COLUMNS
 from rig.stand.prescribed import Stand
@@ -33,7 +35,14 @@ def scene_of(axis: Axis, losses: tuple[str, ...] = (), **settings: object) -> Sc
     """A small box with 0.4 kg of steel."""
     cavity = Cavity(length=0.06, width=0.06, height=0.1, wall=0.003)
     grains = Grains(density=7900.0, diameter=0.002, fill=0.2)
-    return Scene(cavity=cavity, axis=axis, grains=grains, bed="slug", losses=losses, slug=Slug(**settings))  # type: ignore[arg-type]
+    return Scene(
+        cavity=cavity,
+        axis=axis,
+        grains=grains,
+        bed="single_mass",
+        losses=losses,
+        single_mass=SingleMass(**settings),
+    )  # type: ignore[arg-type]
 
 
 def condition(scene: Scene, acceleration: float) -> Condition:
@@ -45,7 +54,9 @@ def test_the_gap_is_what_the_fill_leaves(rig: Rig) -> None:
     scene = scene_of("vertical")
     filling = nominal(scene, rig)
     assert free_gap(scene, rig, filling) == pytest.approx(0.1 * (1 - 0.2 * 0.63 / 0.57), rel=1e-12)
-    assert free_gap(replace(scene, axis="horizontal"), rig, filling) == pytest.approx(0.06 * (1 - 0.2 * 0.63 / 0.57))
+    assert free_gap(replace(scene, axis="horizontal"), rig, filling) == pytest.approx(
+        0.06 * (1 - 0.2 * 0.63 / 0.57)
+    )
     full = replace(scene, grains=replace(scene.grains, fill=0.91))
     assert free_gap(full, rig, filling) == 0.0
     point = predict(condition(full, 3 * G), rig)
@@ -53,7 +64,7 @@ def test_the_gap_is_what_the_fill_leaves(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize("level", [3.31, 3.5, 3.7])
-def test_joules_of_a_locked_slug(rig: Rig, level: float) -> None:
+def test_joules_of_a_locked_single_mass(rig: Rig, level: float) -> None:
     """W_T = 2 pi^2 m g^2/w^2, whatever the level; bound m g V/f."""
     scene = scene_of("vertical")
     point = predict(condition(scene, level * G), rig)
@@ -62,7 +73,7 @@ def test_joules_of_a_locked_slug(rig: Rig, level: float) -> None:
     energy = point.W_T
     assert energy == pytest.approx(2 * np.pi**2 * mass * (G / OMEGA) ** 2, rel=1e-9)
     assert point.bound == pytest.approx(mass * G * level * G / OMEGA / 20.0, rel=1e-12)
-    assert (point.W_f, point.W_T_paper, point.periodic_share) == (0.0, 0.0, 1.0)
+    assert (point.W_f, point.W_T_as_printed, point.periodic_share) == (0.0, 0.0, 1.0)
 
 
 def test_joules_without_weight_and_on_a_rough_floor(rig: Rig) -> None:
@@ -74,19 +85,23 @@ def test_joules_without_weight_and_on_a_rough_floor(rig: Rig) -> None:
     assert floating.bound == pytest.approx(4 * unit, rel=1e-12)
     eta = 0.3 * G / 10.0
     block = predict(condition(scene_of("horizontal", gap="none", friction=0.3), 10.0), rig)
-    assert block.W_f == pytest.approx(4 * eta * np.sqrt(1 - (np.pi * eta / 2) ** 2) * unit, rel=1e-9)
+    assert block.W_f == pytest.approx(
+        4 * eta * np.sqrt(1 - (np.pi * eta / 2) ** 2) * unit, rel=1e-9
+    )
     assert block.W_c == 0.0
 
 
 def test_what_is_carried_and_what_floats(rig: Rig) -> None:
-    """Below 1 g, or held by friction, the mass rides; between no walls it does not, though it loses nothing."""
+    """Below 1 g, or held by friction, the mass rides; between no walls it does not, though it loses
+    nothing.
+    """
     riding = [(scene_of("vertical"), 0.9 * G), (scene_of("horizontal", friction=1.1), G)]
     assert all(predict(condition(scene, a), rig).carried for scene, a in riding)
     floating = predict(condition(scene_of("zero_gravity", gap="none"), 10.0), rig)
     assert (floating.W_T, floating.carried) == (0.0, False)
 
 
-def test_an_elastic_slug_has_no_bound(rig: Rig) -> None:
+def test_an_elastic_single_mass_has_no_bound(rig: Rig) -> None:
     asked = condition(scene_of("zero_gravity", gap=0.001, restitution=1.0), 10.0)
     point, table = predict_about(asked, rig)
     assert point.bound == math.inf
@@ -95,14 +110,16 @@ def test_an_elastic_slug_has_no_bound(rig: Rig) -> None:
 
 
 def test_a_jump_between_orbits_is_an_uncertainty(rig: Rig) -> None:
-    """At 2 g neighbours 0.2 % apart predict each level; near 4.6 g the long flights of period 2 lose their landing, and
-    W falls to a hundredth within 2 %."""
+    """At 2 g neighbours 0.2 % apart predict each level; near 4.6 g the long flights of period 2
+    lose their landing, and W falls to a hundredth within 2 %."""
     smooth, _ = predict_about(condition(scene_of("vertical"), 2.0 * G), rig)
     steep, table = predict_about(condition(scene_of("vertical"), 4.59 * G), rig)
-    near = [2.0 * level for level in SLUG_LEVELS[9:22]]
+    near = [2.0 * level for level in SINGLE_MASS_LEVELS[9:22]]
     exact = [plastic_energy(level) * level**2 for level in near]
     assert smooth.u_rel < 1e-5
-    assert smooth.u_levels == pytest.approx(READ * misread(near, exact) / exact[6], rel=1e-3)  # 1e-5: a curve, no jump
+    assert smooth.u_levels == pytest.approx(
+        READ * misread(near, exact) / exact[6], rel=1e-3
+    )  # 1e-5: a curve, no jump
     assert steep.u_levels > 1e-2
     assert (steep.period, len(table["W_T"])) == (2, 31)
 
@@ -117,12 +134,21 @@ def test_a_jump_between_orbits_is_an_uncertainty(rig: Rig) -> None:
     velocity=st.floats(-0.5, 0.5),
     seed=st.integers(0, 2**32),
 )
-@example(axis="vertical", acceleration=1.0, e=0.0, friction=0.0, gap=0.0, start=0.0, velocity=0.5, seed=0)
+@example(
+    axis="vertical", acceleration=1.0, e=0.0, friction=0.0, gap=0.0, start=0.0, velocity=0.5, seed=0
+)
 @settings(max_examples=40, deadline=None)
 def test_the_account_closes_in_the_stand(
-    rig: Rig, axis: Axis, acceleration: float, e: float, friction: float, gap: object, start: float, velocity: float,
+    rig: Rig,
+    axis: Axis,
+    acceleration: float,
+    e: float,
+    friction: float,
+    gap: object,
+    start: float,
+    velocity: float,
     seed: int,
-) -> None:  # fmt: skip
+) -> None:
     friction = friction if axis == "horizontal" else 0.0
     scene = scene_of(
         axis, ("noise",), restitution=e, friction=friction, gap=gap, start=start, velocity=velocity
@@ -139,9 +165,15 @@ def test_the_account_closes_in_the_stand(
 
 
 def test_the_gauge_carries_the_weight_and_cords_take_it(rig: Rig) -> None:
-    """The mean force over whole cycles is (M_box + m_gauge + m) g; its work is nothing. With cords it is zero."""
+    """The mean force over whole cycles is (M_box + m_gauge + m) g; its work is nothing. With cords
+    it is zero.
+    """
     scene, motion = scene_of("vertical"), Waveform(20.0, 2.0 * G)
-    total = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + bed_mass(scene, rig.packing_shaken)
+    total = (
+        box_mass(scene.cavity, rig.wall_density)
+        + rig.gauge_mass
+        + bed_mass(scene, rig.packing_shaken)
+    )
     stand = Stand(scene, rig, motion, nominal(scene, rig), RATE)
     force = stand.read(21 * CYCLE)[0, CYCLE:]
     assert force.mean() == pytest.approx(total * rig.gravity, rel=1e-9)
@@ -156,8 +188,8 @@ def test_the_gauge_carries_the_weight_and_cords_take_it(rig: Rig) -> None:
 def test_the_records_hold_the_ledgers_work(rig: Rig, axis: Axis, acceleration: float) -> None:
     """Closed-loop integral of force and velocity against losses + dKE_bed.
 
-    A hit counts whole in its interval: its phase is off by h/2 = pi/4096 at most, the box's velocity there by as much
-    of V: m u V pi/4096 of m u^2/2 each, for u >= V 1.5e-3 at most.
+    A hit counts whole in its interval: its phase is off by h/2 = pi/4096 at most, the box's
+    velocity there by as much of V: m u V pi/4096 of m u^2/2 each, for u >= V 1.5e-3 at most.
     """
     scene = scene_of(axis, gap=0.0015 if axis == "zero_gravity" else None)
     motion = Waveform(20.0, acceleration)
@@ -170,9 +202,11 @@ def test_the_records_hold_the_ledgers_work(rig: Rig, axis: Axis, acceleration: f
     assert work == pytest.approx(true, rel=1.6e-3)
 
 
-def test_a_slug_that_rests_at_the_cycle_start_repeats_to_the_last_bit(rig: Rig) -> None:
+def test_a_single_mass_that_rests_at_the_cycle_start_repeats_to_the_last_bit(rig: Rig) -> None:
     scene = scene_of("vertical")
-    bed = SlugBed(slug(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, 2.0 * G), 512.0))
+    bed = SingleMassBed(
+        single_mass(scene, rig, nominal(scene, rig)), Sampling(Waveform(20.0, 2.0 * G), 512.0)
+    )
     turns = [bed.advance(2) for _ in range(4)]
     assert [turn.repeats for turn in turns] == [0, 2, 2, 2]
     np.testing.assert_array_equal(turns[2].momentum, turns[1].momentum)
@@ -185,5 +219,5 @@ def test_bouncing_without_end_is_a_named_error(rig: Rig) -> None:
         lambda: predict(condition(scene, 0.5 * G), rig),
         lambda: Stand(scene, rig, Waveform(20.0, 0.5 * G), nominal(scene, rig), RATE).read(10),
     ):
-        with pytest.raises(InputError, match=r"scene\.slug.*events.*65536 in one cycle"):
+        with pytest.raises(InputError, match=r"scene\.single mass.*events.*65536 in one cycle"):
             ask()

@@ -1,4 +1,6 @@
-"""The slug protocols end to end: what is read from the records is the exact solution, and the report says so."""
+"""The single mass protocols end to end: what is read from the records is the exact solution, and
+the report says so.
+"""
 
 from pathlib import Path
 
@@ -12,12 +14,15 @@ from rig.protocol.load import load_protocol
 FOLDER = Path(__file__).parents[2] / "protocols"
 
 
-@pytest.mark.parametrize("name", ["slug_vertical", "slug_zero_gravity"])
-def test_the_slug_follows_its_exact_solution(name: str, tmp_path: Path) -> None:
-    """All claims hold, no limit is exceeded, and each condition that is comparable agrees within its U."""
+@pytest.mark.parametrize("name", ["single_mass_vertical", "single_mass_zero_gravity"])
+def test_the_single_mass_follows_its_exact_solution(name: str, tmp_path: Path) -> None:
+    """All claims hold, no limit is exceeded, and each condition that is comparable agrees within
+    its U.
+    """
     protocol = load_protocol(FOLDER / f"{name}.yaml")
     report = run(
-        campaign_of(protocol, load_rig(protocol.rig), (FOLDER / f"{name}.yaml").read_text()), tmp_path
+        campaign_of(protocol, load_rig(protocol.rig), (FOLDER / f"{name}.yaml").read_text()),
+        tmp_path,
     ).document()
     assert {claim["verdict"] for claim in report["claims"]} == {"holds"}
     assert (report["verdict"], report["flags"]) == ("passes", [])
