@@ -175,9 +175,9 @@ def plastic_row(band: Decimal, clearance: Decimal, cycles: int) -> list[Decimal]
         wall = clearance if s > 0 else Decimal(0)
         stop = flight.first(lambda at, f=flight, s=s: s * f.velocity(at), STEP, t + 4 * PI)  # type: ignore[misc]
         hit = flight.first(
-            lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)),
+            lambda at, f=flight, s=s, w=wall: s * (w - f.position(at)),  # type: ignore[misc]
             STEP,
-            stop or t + 4 * PI,  # type: ignore[misc]
+            stop or t + 4 * PI,
         )
         t = end if stop is None else stop
         if hit is not None:

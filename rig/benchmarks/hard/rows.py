@@ -46,9 +46,9 @@ def zeno() -> CaseOutcome:
         with precise():
             flight = Flight(Decimal(0), Decimal(0), Decimal(0), Decimal(0))
             hit = flight.first(
-                lambda t, f=flight, p=Decimal(clearance): p - f.position(t),
+                lambda t, f=flight, p=Decimal(clearance): p - f.position(t),  # type: ignore[misc]
                 STEP,
-                PI,  # type: ignore[misc]
+                PI,
             )
             assert hit is not None
             exact = bounces(
@@ -208,9 +208,9 @@ def vanishing_clearance() -> CaseOutcome:
                 flight = Flight(start, Decimal(0), Decimal(0), Decimal(band))
                 step = STEP / 64
                 hit = flight.first(
-                    lambda t, f=flight, p=Decimal(clearance): p - f.position(t),
+                    lambda t, f=flight, p=Decimal(clearance): p - f.position(t),  # type: ignore[misc]
                     step,
-                    start + PI,  # type: ignore[misc]
+                    start + PI,
                 )
                 if hit is None or flight.velocity(hit) <= 0:
                     continue  # friction stops the row before the wall

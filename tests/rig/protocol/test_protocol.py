@@ -32,7 +32,7 @@ vary:
 repeats: {n: 4, refill: true}
 seed: 2015
 faults: []
-"""  # noqa: E501
+"""
 
 
 def seeds(protocol: Protocol) -> dict[tuple[float, float], str]:
