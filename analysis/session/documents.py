@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from analysis.session.exciter import SessionExciter, TrueClock, TrueInstruments
 from analysis.session.fidelity import Fidelity
+from analysis.session.former_names import prediction_today
 from analysis.session.prediction_entry import PREDICTION
 from analysis.session.protocol import ExpectedClaim, SessionProtocol, SessionRig
 from analysis.session.record import AnalysisError, Truth
@@ -56,10 +57,16 @@ def deviations_of(name: str, value: Any) -> Iterator[str]:
     """What is wrong with a document of the session (None: there is none, which is right)."""
     if value is None or name not in DOCUMENTS:
         return
+    value = today(name, value)
     sentences = list(deviations(value, DOCUMENTS[name], name))
     yield from sentences
     if name == "protocol" and not sentences:
         yield from _claims(built(SessionProtocol, value).expect)
+
+
+def today(name: str, value: Any) -> Any:
+    """Return a document of the session with today's names."""
+    return prediction_today(value) if name == "prediction" else value
 
 
 def checked(name: str, value: Any) -> Any:
@@ -75,7 +82,7 @@ def document_as(cls: type[T], name: str, value: Any) -> T | None:
     """A document of the session as a value of its class; None where there is none. AnalysisError as
     for `checked`.
     """
-    return None if checked(name, value) is None else built(cls, value)
+    return None if checked(name, value) is None else built(cls, today(name, value))
 
 
 def truth_as(cls: type[T], name: str, truth: Truth) -> T | None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
+from analysis.session.former_names import prediction_today
 from analysis.session.prediction import Curve, Given, SessionPrediction
 from analysis.session.record import AnalysisError
 from daq.documents.classes import built, shape_of
@@ -70,6 +71,7 @@ def entries_of(document: Mapping[str, Any] | None) -> dict[str, PredictionEntry]
     """The entries of a prediction by condition. AnalysisError with the first deviation."""
     if not document:
         return {}
+    document = prediction_today(document)
     for sentence in deviations(document, PREDICTION, "prediction"):
         raise AnalysisError(f"the session's document {sentence}")
     return {name: built(PredictionEntry, entry) for name, entry in document["conditions"].items()}

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
+from analysis.session.former_names import condition_today
 from analysis.session.record import AnalysisError
 from daq.documents.classes import LEFT_OUT, built, shape_of
 from daq.documents.shapes import Choice, Keys, Number, Text, deviations
@@ -105,6 +106,7 @@ class Setting:
         """The setting in a session's condition. AnalysisError naming the first key that is missing
         or wrong.
         """
+        condition = condition_today(condition)
         for name in CONDITION.required:
             if name not in condition:
                 raise AnalysisError(f"condition {condition.get('id', '?')} lacks {name!r}")
