@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from daq.documents.notes import Node, Notes, bare, describe, nearest, quote, where_of
 
@@ -20,6 +20,7 @@ LARGEST = 1e15
 Schema = dict[str, Any]
 
 
+@runtime_checkable
 class Shape(Protocol):
     """What a value must look like; str() says it in words."""
 

@@ -51,7 +51,7 @@ def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
         return _NOTHING
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class List:
     """A list of at least `least` and at most `most` values of one shape, each once where `unique`; `what` says what is
     in it."""
@@ -108,7 +108,7 @@ def some_of(*words: str) -> List:
     return List(one_of(*words), unique=True)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Each:
     """A mapping with values of one shape under keys of any name, or of those that `keys` allows."""
 
@@ -141,7 +141,7 @@ def _key_of(node: Any, key: str) -> Any:
     return Node(node.key_places[key], key, key) if isinstance(node, Node) else key
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Keys:
     """A mapping with these keys, and those in `optional` where it has them; null where it says so.
 
@@ -269,7 +269,7 @@ class Keys:
         return {} if default is MISSING else {"default": default}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Choice:
     """A mapping whose shape hangs on the word under `key`."""
 
@@ -293,7 +293,7 @@ class Choice:
         return found | {"properties": properties, "required": [self.key, *found["required"]]}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class OneOf:
     """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes are closed, and a key
     that several of them have is the same in each. `what` it is, in words."""
@@ -333,7 +333,7 @@ def _rule(key: str, shape: Keys) -> Schema:
     return {"if": {"required": [key]}, "then": then}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Either:
     """A value of one shape or of another."""
 
@@ -361,7 +361,7 @@ class Either:
         return {"anyOf": [self.first.schema(kinds), self.second.schema(kinds)]}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Then:
     """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which notes what does not fit
     together. `says`: what JSON Schema can know of that."""
