@@ -54,7 +54,7 @@ def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
         return _NOTHING
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class List:
     """A list of at least `least` and at most `most` values of one shape, each once where `unique`;
     `what` says what is in it."""
@@ -119,7 +119,7 @@ def some_of(*words: str) -> List:
     return List(one_of(*words), unique=True)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Each:
     """A mapping with values of one shape under keys of any name, or of those that `keys` allows."""
 
@@ -155,7 +155,7 @@ def _key_of(node: Any, key: str) -> Any:
     return Node(node.key_places[key], key, key) if isinstance(node, Node) else key
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Keys:
     """A mapping with these keys, and those in `optional` where it has them; null where it says so.
 
@@ -316,7 +316,7 @@ class Keys:
         return {} if default is MISSING else {"default": default}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Choice:
     """A mapping whose shape hangs on the word under `key`."""
 
@@ -340,7 +340,7 @@ class Choice:
         return found | {"properties": properties, "required": [self.key, *found["required"]]}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class OneOf:
     """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes
     are closed, and a key that several of them have is the same in each. `what` it is, in words."""
@@ -382,7 +382,7 @@ def _rule(key: str, shape: Keys) -> Schema:
     return {"if": {"required": [key]}, "then": then}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Either:
     """A value of one shape or of another."""
 
@@ -414,7 +414,7 @@ class Either:
         return {"anyOf": [self.first.schema(kinds), self.second.schema(kinds)]}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Then:
     """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which
     notes what does not fit together. `says`: what JSON Schema can know of that."""
