@@ -120,7 +120,7 @@ def agreement(
         protocol=protocol,
         question=question,
         synthetic=synthetic,
-        tests="chain" if synthetic and not OWN_MECHANISM & {s.bed for s in seen} else "model",
+        tests="measurement" if synthetic and not OWN_MECHANISM & {s.bed for s in seen} else "model",
         waveform="ideal" if ideal else "measured",
         support=tuple(
             sorted({setting.support for setting in settings.values() if setting.support})

@@ -34,7 +34,7 @@ def tested(report: Report) -> str:
     beds = sorted(predicted or {row.bed for row in report.conditions})
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
-    if report.tests == "chain":
+    if report.tests == "measurement":
         if not _predicted(report):
             return f"This run checks the measurement chain: nothing is predicted for the {word} {listed}."
         return (

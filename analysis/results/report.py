@@ -101,7 +101,7 @@ class Report:
     protocol: str
     question: str
     synthetic: bool
-    tests: Annotated[str, Text(("chain", "model"))]
+    tests: Annotated[str, Text(("measurement", "model"))]
     waveform: Annotated[str, Text(("ideal", "measured"))]
     support: tuple[str, ...] = ()
     conditions: tuple[ConditionRow, ...]

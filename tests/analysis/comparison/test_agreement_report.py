@@ -157,7 +157,7 @@ def test_all_names_of_the_contract_are_there(report):
     assert {"ratio", "U_ratio", "slope", "mean_offset", "n"} <= set(document["agreement"])
     assert {"null", "dphi", "U_dphi", "verdict"} <= set(document["nulls"][0])
     json.dumps(document, allow_nan=False)
-    assert (report.tests, report.waveform, report.protocol) == ("chain", "ideal", "demo")
+    assert (report.tests, report.waveform, report.protocol) == ("measurement", "ideal", "demo")
     assert report.verdict == "passes"
 
 

@@ -218,9 +218,9 @@ def check_sentences(report: Document, text: str) -> None:
         assert same(mean[2], 100 * found["mean_offset"], 2)
     assert f"## Verdict: {report['verdict'].capitalize()}" in text
     chain = re.search(r"own ledger in (\d+) of (\d+) conditions", text)
-    assert (chain is None) == (report["truth"]["share"] is None)
+    assert (chain is None) == (report["chain"]["share"] is None)
     if chain is not None:
-        assert int(chain[1]) / int(chain[2]) == report["truth"]["share"]
+        assert int(chain[1]) / int(chain[2]) == report["chain"]["share"]
 
 
 DEMO = demo_report().document()

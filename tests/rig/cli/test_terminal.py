@@ -107,7 +107,7 @@ REPORT = bare(
         AgreementRow, ratio=1.0789, U_ratio=0.0123, k=2.0, put_in=0.05, mean_offset=0.07, n=3
     ),
     waveform="ideal",
-    tests="chain",
+    tests="measurement",
     verdict="passes",
     reasons=("short",),
     synthetic=True,
