@@ -22,6 +22,7 @@ from analysis.results.run import Coil, RunEnergy
 from analysis.session.documents import document_as
 from analysis.session.exciter import SessionExciter
 from analysis.session.fidelity import Fidelity
+from analysis.session.former_names import text_today
 from analysis.session.ledger_columns import EXACT
 from analysis.session.protocol import SessionProtocol, SessionRig
 from analysis.session.record import (
@@ -358,7 +359,7 @@ def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
 
 def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
     """The documents that are there written out, as text."""
-    found = Resolved(protocol.resolved or None, rig.resolved or None)
+    found = Resolved(text_today(protocol.resolved) or None, text_today(rig.resolved) or None)
     return found if found.files() else None
 
 

@@ -1,4 +1,4 @@
-"""The same grains twice: an ideal waveform (prescribed) and the exciter in the loop (coupled), same
+"""The same grains twice: an ideal waveform (prescribed) and the exciter in the loop (shaker), same
 seed, same refills.
 """
 

@@ -58,6 +58,9 @@ def read_report(path: Path | str) -> "Report":
         document = json.loads(file.read_bytes())
     except ValueError as error:
         raise AnalysisError(f"{file} is no JSON: {error}") from error
+    if isinstance(document, dict) and document.get("schema") == "rig/agreement/1":
+        why = "a report of the first edition; `rig report SESSION` writes it anew"
+        raise AnalysisError(f"{file} is {why}")
     return Report.of(document, str(file))
 
 

@@ -1,4 +1,4 @@
-"""Clearance a recorded run back through the `Acquisition` interface; consumers cannot tell it from
+"""Play a recorded run back through the `Acquisition` interface; consumers cannot tell it from
 the emulated analyzer.
 """
 

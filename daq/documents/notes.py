@@ -65,8 +65,10 @@ def new_name(word: str, choices: Iterable[str], renamed: Mapping[str, str]) -> s
     """The hint "renamed: write ..." for an old name, or a path with old names in it; "" for any
     other word.
     """
-    now = ".".join(renamed.get(part, part) for part in word.split("."))
-    return f"renamed: write {now!r}" if now != word and now in choices else ""
+    told = [renamed.get(part, part).partition(" ") for part in word.split(".")]
+    now, note = ".".join(part[0] for part in told), "".join(part[2] for part in told)
+    more = f" {note}" if note else ""
+    return f"renamed: write {now!r}{more}" if now != word and now in choices else ""
 
 
 def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:

@@ -100,7 +100,7 @@ def mobile_share(fill: float, packing_shaken: float, packing_loose: float) -> fl
 
 
 def stack(scene: Scene, rig: Rig, filling: Filling) -> Stack:
-    """Return the layers of one filling (docs/model.md, closed tier): thresholds f_i/m, clearances,
+    """Return the layers of one filling (docs/model.md, layers variant): thresholds f_i/m, clearances,
     masses and restitution.
 
     Raises InputError for rows that are too long and too elastic for their rebound to be followed.

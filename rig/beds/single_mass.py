@@ -14,7 +14,7 @@ from rig.errors import InputError, Mistake
 from rig.kernels.single_mass.many_cycles import follow
 from rig.kernels.single_mass.one_cycle import State, no_events
 from rig.protocol.spec import Scene
-from rig.theory.single_mass import SingleMass
+from rig.theory.single_mass import MassInGap
 
 LOOK_BACK = 64
 """Longest period, in calls of `advance`, that is reported to the stand for replay."""
@@ -28,7 +28,7 @@ def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
     return max(along * (1.0 - scene.grains.fill * filling.packing / rig.packing_loose), 0.0)
 
 
-def single_mass(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
+def single_mass(scene: Scene, rig: Rig, filling: Filling) -> MassInGap:
     """Return the single mass of a filling. Its gap comes from the scene, or from the fill if the
     scene gives none; without a gap it starts at rest.
     """
@@ -40,7 +40,7 @@ def single_mass(scene: Scene, rig: Rig, filling: Filling) -> SingleMass:
             0.0,
             free_gap(scene, rig, filling) if settings.gap is None else float(settings.gap),
         )
-    return SingleMass(
+    return MassInGap(
         mass=bed_mass(scene, filling.packing),
         low=low,
         high=high,
@@ -57,7 +57,7 @@ class SingleMassBed:
     it.
     """
 
-    def __init__(self, single_mass: SingleMass, sampling: Sampling) -> None:
+    def __init__(self, single_mass: MassInGap, sampling: Sampling) -> None:
         motion = sampling.motion
         self._single_mass = single_mass
         self._sampling = sampling
@@ -131,7 +131,7 @@ class SingleMassBed:
         return back
 
 
-def too_many_events(single_mass: SingleMass) -> InputError:
+def too_many_events(single_mass: MassInGap) -> InputError:
     """Return the error for a single mass that bounces more often in a cycle than can be
     followed.
     """

@@ -57,7 +57,7 @@ class Campaign:
 
     @property
     def ledger_columns(self) -> tuple[str, ...]:
-        """Columns of the ledgers: those of shaker-shaker-coupled drive if any condition has it."""
+        """Columns of the ledgers: those of shaker-coupled drive if any condition has it."""
         columns = COUPLED_COLUMNS if self.coupled else COLUMNS
         if not self.ablate:
             return columns
@@ -67,12 +67,12 @@ class Campaign:
 
     @property
     def coupled(self) -> bool:
-        """Whether any condition is in shaker-shaker-coupled drive."""
+        """Whether any condition is in shaker-coupled drive."""
         return any(condition.drive.mode == "shaker" for condition in self.conditions)
 
     @property
     def recorded(self) -> bool:
-        """Whether W_T is also computed on the recorded waveform: in shaker-shaker-coupled drive,
+        """Whether W_T is also computed on the recorded waveform: in shaker-coupled drive,
         and for an ablation, which separates causes.
         """
         return self.ablate or self.coupled

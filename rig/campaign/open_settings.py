@@ -27,7 +27,7 @@ OPEN = (
     (
         "drive.mode",
         "",
-        "the paper does not say; prescribed is an ideal waveform, coupled has the exciter in the loop",
+        "the paper does not say; prescribed is an ideal waveform, shaker has the exciter in the loop",
     ),
 )
 """Path, dimension, reason of the assumption."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice, zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from daq.whole_files import mark_unfinished
 from rig.campaign.campaign import Campaign
@@ -22,7 +22,7 @@ from rig.campaign.one_run.recorder import Watch, record_parts
 from rig.campaign.resolve import campaign_of
 from rig.campaign.workers import Processes
 from rig.catalog.rig_file import load_rig
-from rig.errors import InputError, Mistake
+from rig.errors import InputError, Mistake, WorkerLost
 from rig.prediction.forecast import Forecast, forecast
 from rig.protocol.load import dump_protocol
 from rig.protocol.schedule import Run
@@ -82,7 +82,7 @@ def run(
         after the other
     progress : called after every run; live : called after every block
     executor : where runs are computed, instead of in `workers` processes of this machine:
-        predictions first, then runs; it works while the session file is built
+        predictions first, then runs; the processes work while the session file is built
     """
     if isinstance(campaign, Protocol):
         campaign = campaign_of(campaign, load_rig(campaign.rig), dump_protocol(campaign))
@@ -107,7 +107,7 @@ def run(
         if resume:
             recorder = Recorder.resume(path)
         else:
-            found = {one.condition: one for one in islice(items, len(to_predict))}
+            found = _predicted(items, len(to_predict))
             plan = session_plan(campaign, found)
             out.mkdir(parents=True, exist_ok=True)
             recorder = Recorder.create(path, plan, overwrite)
@@ -119,6 +119,15 @@ def run(
             report = read_session(recorder.record(), energies)
     write_report(report, out)
     return report
+
+
+def _predicted(items: Iterator[Any], count: int) -> dict[str, Forecast]:
+    """Return the forecasts by condition. Raises WorkerLost if they do not all come."""
+    try:
+        return {one.condition: one for one in islice(items, count)}
+    except WorkerLost as lost:
+        told = str(lost).partition(";")[0]
+        raise WorkerLost(f"{told}; nothing was recorded yet, run it again") from lost
 
 
 def _finished(campaign: Campaign, path: Path) -> set[str]:

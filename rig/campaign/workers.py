@@ -54,12 +54,10 @@ class Processes:
         context: Any = multiprocessing.get_context("fork" if fork else "spawn")
         tasks = [task for stage in stages for task in stage]
         count = min(self._count, len(tasks))
-        if count > 1:
-            for stage in stages:
-                if stage:
-                    next(
-                        compute(stage[0])
-                    )  # loads the compiled kernels once, for all forked workers
+        # What is compiled is loaded here, once for all forked workers.
+        for stage in stages if fork and count > 1 else ():
+            if stage:
+                next(compute(stage[0]))
         with killed_at_the_end() as (processes, pipes):
             for _ in range(count):
                 here, there = context.Pipe()
@@ -182,9 +180,8 @@ def _work(
     """Run as one worker: compute the requested tasks until the pipe closes or the process is
     killed.
     """
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # an interrupt from the keyboard is the other side's to handle
+    # An interrupt from the keyboard is the other side's to handle.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     for end in inherited:
         end.close()
     asked: queue.SimpleQueue[tuple[int, int]] = queue.SimpleQueue()

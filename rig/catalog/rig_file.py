@@ -46,7 +46,9 @@ def rig_path(name: str | Path) -> Path:
     named_by_file = isinstance(name, Path) or is_path(name)
     path = Path(name) if named_by_file else HERE / "rigs" / f"{name}.yaml"
     if not (os.path.isfile(path) if named_by_file else name in rig_names()):
-        hint = new_name(str(name), rig_names(), FORMER_RIGS) or nearest(str(name), rig_names())
+        hint = new_name(Path(name).stem, rig_names(), FORMER_RIGS) or nearest(
+            str(name), rig_names()
+        )
         allowed = f"{', '.join(rig_names())}, or the path of a rig file (.yaml)"
         raise InputError(Mistake("", "rig", f"no rig {quote(str(name))}", allowed, hint))
     return path

@@ -81,7 +81,8 @@ def run(
         Path | None, typer.Option(metavar="DIR", help="Folder; default sessions/NAME.")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=256, help="Threads; results do not depend on it.")
+        int | None,
+        typer.Option(min=1, max=256, help="Worker processes; results do not depend on it."),
     ] = None,
     speed: Annotated[
         str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")
@@ -150,7 +151,7 @@ def model(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Print W_T by both tiers with W_f, W_c and the bound; no simulation of the stand.
+    """Print W_T in every variant with W_f, W_c and the bound; no simulation of the stand.
 
     With --study: the paper's Figs. 5 to 8, or its errata with their numbers, as figures, CSV and a
     table.

@@ -13,9 +13,9 @@ FORMER_NAMES: Mapping[str, str] = {
     "play": "clearance",
     "refill_play": "refill_clearance",
     "mistake": "deliberate_error",
-    "allow_undersampled": "paper_rule",
+    "allow_undersampled": "paper_rule with the opposite value",
 }
-"""Keys and words of protocols, rig files and mappings."""
+"""Keys and words of protocols, rig files and mappings; after the new name, what else is to be known."""
 
 FORMER_PROTOCOLS: Mapping[str, str] = {
     "coupled_fill": "shaker_fill",

@@ -1,4 +1,4 @@
-"""A dwell in shaker-shaker-coupled drive: start-up, level control, settling and recording under a
+"""A dwell in shaker-coupled drive: start-up, level control, settling and recording under a
 constant command, ramp-down.
 """
 

@@ -60,7 +60,7 @@ class RowsChoice:
     resolved : rows side by side, L2/d
     reference : rows of the reference, fewer if the resolved ones are too many
     cycles : length of the pilot runs
-    bias : of W_T by the closed tier, rows in the middle of their strata
+    bias : of W_T by the layers variant, rows in the middle of their strata
     scatter, scatter_resolved : standard deviation of one refill's W due to the positions of rows in
         their strata, with these rows and with the resolved ones
     error : counted against the tolerance

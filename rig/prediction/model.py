@@ -127,7 +127,7 @@ def layers_variant(
     scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
 ) -> ModelEnergy:  # fmt: skip
-    """Return the event-resolved energy (closed tier) of a scene's stack at one acceleration; zero
+    """Return the event-resolved energy (layers variant) of a scene's stack at one acceleration; zero
     for beds that do not slide by design.
 
     window : (first cycle, one past the last) of an additional mean
@@ -152,7 +152,7 @@ def layers_variant(
 
 
 def as_printed_variant(scene: Scene, rig: Rig, velocity: float) -> float:
-    """Return W_T of the model as printed (paper tier), J per cycle: eq 5 with one slip per layer,
+    """Return W_T of the model as printed (variant as printed), J per cycle: eq 5 with one slip per layer,
     plus the first chain wave at both walls.
     """
     layers = layer_count(scene)

@@ -44,4 +44,6 @@ def hint(name: str) -> str:
         .removesuffix(".yaml")
         .removesuffix(".yml")
     )
-    return new_name(bare, names(), FORMER_PROTOCOLS) or nearest(bare, names())
+    stem = bare.rpartition("/")[2]
+    now = (new_name(one, names(), FORMER_PROTOCOLS) for one in (bare, stem))
+    return next(filter(None, now), "") or nearest(bare, names())

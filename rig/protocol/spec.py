@@ -64,7 +64,7 @@ class Grains:
 
 @dataclass(frozen=True)
 class Layers:
-    """Bed `layers` (model.md, closed tier): mean clearance in units of dl, its relative spread,
+    """Bed `layers` (model.md, layers variant): mean clearance in units of dl, its relative spread,
     strata per layer.
     """
 

@@ -20,7 +20,7 @@ max(|W_gauge|, pi M V^2).
 
 LOST_IN_EXCITER = ("W_copper", "W_flexure", "W_stinger", "W_isolation")
 OF_EXCITER = ("W_electric", *LOST_IN_EXCITER, "W_coil", "dE_exciter", "closure_exciter")
-"""Columns of shaker-shaker-coupled drive, joules per cycle.
+"""Columns of shaker-coupled drive, joules per cycle.
 
 W_electric is the electrical energy from the amplifier, with the balance W_electric = W_copper +
 W_flexure + W_stinger + W_isolation + dE_exciter + W_gauge. `closure_exciter` is its residual, as a

@@ -1,4 +1,4 @@
-"""The stand in shaker-shaker-coupled drive: amplifier, exciter, box and bed interact; outputs are
+"""The stand in shaker-coupled drive: amplifier, exciter, box and bed interact; outputs are
 force and acceleration.
 """
 

@@ -20,7 +20,7 @@ from rig.theory.total import ModelEnergy, TooManyEvents, plastic_bound
 
 
 @dataclass(frozen=True)
-class SingleMass:
+class MassInGap:
     """A single mass in a box, SI units.
 
     low, high : positions of the walls along the axis, m, infinite if there is none
@@ -79,7 +79,7 @@ class SingleMassTotal:
 
 
 def single_mass_total(
-    single_mass: SingleMass,
+    single_mass: MassInGap,
     acceleration: float,
     frequency: float,
     settle: int = SETTLE,
@@ -124,7 +124,7 @@ def single_mass_total(
     )
 
 
-def bound(single_mass: SingleMass, velocity: float, frequency: float, found: MeanCycle) -> float:
+def bound(single_mass: MassInGap, velocity: float, frequency: float, found: MeanCycle) -> float:
     """Return the upper bound of the energy per cycle at a box velocity amplitude (m/s), J.
 
     m g V/f if gravity acts and no lid is hit: the mean contact force is m g and never negative, and

@@ -1,5 +1,5 @@
-"""W_T = W_f + W_c (eq 24): the model as printed (paper tier, with errata) and event-resolved
-(closed tier).
+"""W_T = W_f + W_c (eq 24): the model as printed (variant as printed, with errata) and event-resolved
+(layers variant).
 
 The event-resolved one is for comparison with measurements.
 """
@@ -26,7 +26,7 @@ W_T off, 448 are within 0.02 % of 4096 on the shipped protocols (tests/physics/t
 
 @dataclass(frozen=True)
 class ModelEnergy:
-    """Energy per cycle of the event-resolved model (closed tier), J.
+    """Energy per cycle of the event-resolved model (layers variant), J.
 
     period : longest period of a sliding row in cycles of the drive, 0 if any row has none
     periodic_share : fraction of W_T in rows that have a period
@@ -154,7 +154,7 @@ def layers_total(
     window: tuple[int, int] | None = None,
 ) -> ModelEnergy:
     """Return the energy per cycle of independent rows on an exact sine, in their steady state
-    (closed tier).
+    (layers variant).
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
     clearance : clearance of each row, m, shape (layers, rows)

@@ -35,7 +35,7 @@ def at(acceleration: float) -> Drive:
 def test_the_pilot_sees_what_the_bed_does(acceleration: float, rig: Rig) -> None:
     """Work per cycle against the bed in a sampled box, whose steady rows are replayed from a later
     period: states recur within 1e-10 of a clearance, of which each row has its own; steady energy
-    against the closed tier."""
+    against the layers variant."""
     scene, cycles = balls(fill=0.6), 96
     found = rows_pilot(scene, rig, at(acceleration), nominal(scene, rig), cycles)
     bed = LayersBed(

@@ -18,7 +18,7 @@ from rig.prediction.model import layers_variant, misread, predict_about
 from rig.protocol.grid import conditions as conditions_of
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition
-from rig.theory.single_mass import SingleMass
+from rig.theory.single_mass import MassInGap
 
 SINE = (np.ones(1), np.zeros(1))
 PROTOCOLS = ("fill_rate", "density", "size", "size_acceleration", "frequency", "acceleration")
@@ -138,7 +138,7 @@ def test_the_window_of_a_single_mass_is_the_mean_of_its_own_cycles() -> None:
     """In a locking band the phase of a landing approaches the locked one by 1 - level sin(phase) each time, -0.6 at
     3.5 g: 1e-9 of it is left after 40 landings. At rest to begin with, it loses less in the first cycle.
     """
-    single_mass = SingleMass(
+    single_mass = MassInGap(
         1.0, 0.0, np.inf, weight=9.80665, friction=0.0, restitution=0.0, start=0.0, velocity=0.0
     )
     world = single_mass.world(3.5 * 9.80665, 20.0, *SINE)

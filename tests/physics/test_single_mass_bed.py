@@ -219,5 +219,5 @@ def test_bouncing_without_end_is_a_named_error(rig: Rig) -> None:
         lambda: predict(condition(scene, 0.5 * G), rig),
         lambda: Stand(scene, rig, Waveform(20.0, 0.5 * G), nominal(scene, rig), RATE).read(10),
     ):
-        with pytest.raises(InputError, match=r"scene\.single mass.*events.*65536 in one cycle"):
+        with pytest.raises(InputError, match=r"scene\.single_mass.*events.*65536 in one cycle"):
             ask()

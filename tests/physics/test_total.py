@@ -1,4 +1,4 @@
-"""W_T: tiers, bound and the shape that the closed tier must show (model.md section 2)."""
+"""W_T: tiers, bound and the shape that the layers variant must show (model.md section 2)."""
 
 from dataclasses import replace
 

@@ -326,7 +326,7 @@ def test_a_scene_in_the_mapping_predicts(example: Path, tmp_path: Path) -> None:
     sets = ("scene.grains.diameter=4 mm", "scene.grains.fill=0.85", f"drive.acceleration={row['acceleration']}",
             f"drive.frequency={row['frequency']}")  # fmt: skip
     condition = conditions(load_protocol("schema: rig/protocol/1\nname: x\n", sets=sets))[0]
-    # between tabulated levels a power law: NUMERICAL_ERROR of the closed tier is 1e-3
+    # between tabulated levels a power law: NUMERICAL_ERROR of the layers variant is 1e-3
     assert row["W_T"] == pytest.approx(predict(condition, load_rig("paper")).W_T, rel=5e-3)
 
 

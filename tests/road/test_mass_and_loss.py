@@ -45,7 +45,7 @@ PLANS = {
         scene=LIGHT, vary=f"scene.bed: [empty, locked], {TWO}", settle=4, repeats=4, more=""
     ),
     "single_mass": TEXT.format(
-        scene=f"bed: single_mass, axis: vertical, losses: [], single mass: {{restitution: 0}}, {LIGHT}",
+        scene=f"bed: single_mass, axis: vertical, losses: [], single_mass: {{restitution: 0}}, {LIGHT}",
         settle=10,
         repeats=1,
         vary="drive.acceleration: [1.2 g, 3 g]",

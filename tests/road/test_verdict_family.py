@@ -284,16 +284,16 @@ MISTAKES = ("{skew: 1}", "{pole: 0.5}")  # 12.6 and 5 mrad at 20 Hz
 def found(mistake: str, count: int) -> int:
     """Sessions that fail, of so many with a mistake in the record itself."""
     case = made(ROWS, BEDS, settle=10)
-    return failures(Case(case.protocol + f"mistake: {mistake}\n").plan(), count)[0]
+    return failures(Case(case.protocol + f"deliberate_error: {mistake}\n").plan(), count)[0]
 
 
-@pytest.mark.parametrize("deliberate_error", MISTAKES)
+@pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_found(mistake: str) -> None:
     assert found(mistake, 4) == 4
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("deliberate_error", MISTAKES)
+@pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_found_in_95_of_100_sessions(mistake: str) -> None:
     assert found(mistake, 100) >= 95
 

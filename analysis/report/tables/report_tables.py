@@ -44,7 +44,7 @@ def conditions(report: Report) -> Table:
         "W_T ± U, mJ",
         "offset, %",
         "E_n",
-        "E_n chain",
+        "E_n truth",
         "detect, mJ",
         "eta ± U",
         "M_eff ± U, kg",
@@ -85,7 +85,7 @@ def conditions(report: Report) -> Table:
         )
     note = (
         "Energies in mJ per cycle, means over the runs, expanded uncertainties for 95 %. The offset is left out where "
-        "W_exp or W_T is below the detection limit or below U. E_n compares with the prediction, E_n chain with the "
+        "W_exp or W_T is below the detection limit or below U. E_n compares with the prediction, E_n truth with the "
         "rig's own ledger: within ±1 they agree."
     )
     impossible = [

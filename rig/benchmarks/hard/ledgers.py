@@ -13,7 +13,7 @@ from rig.beds.rigid import DashpotBed, LockedBed
 from rig.beds.single_mass import SingleMassBed
 from rig.benchmarks.hard.case import Case, CaseOutcome, Measure, at_most, exactly
 from rig.drive.waveform import Sampling, Waveform
-from rig.theory.single_mass import SingleMass
+from rig.theory.single_mass import MassInGap
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def single_mass(
     """Return a single mass of 1 kg: gap in amplitudes, weight and friction in levels."""
     low, a = 0.0 if weight or gap < math.inf else -math.inf, motion.acceleration
     return SingleMassBed(
-        SingleMass(
+        MassInGap(
             1.0, low, gap * motion.length_unit, weight * a, friction * a, restitution, 0.0, 0.0
         ),
         Sampling(motion, 8.0),

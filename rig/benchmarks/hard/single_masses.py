@@ -28,7 +28,7 @@ from rig.benchmarks.hard.sliders import STUCK, block
 from rig.kernels.single_mass.many_cycles import MassCycles, MeanCycle, run, steady
 from rig.kernels.single_mass.one_cycle import MAX_EVENTS, State, world
 from rig.kernels.waveform import extrema, motion
-from rig.theory.single_mass import SingleMass, single_mass_total
+from rig.theory.single_mass import MassInGap, single_mass_total
 from rig.theory.total import TooManyEvents
 
 Array = NDArray[np.float64]
@@ -287,7 +287,7 @@ def ceiling() -> CaseOutcome:
 
 def too_often() -> CaseOutcome:
     """e near 1 in a tiny gap: a named error before it takes long."""
-    named, single_mass = 0, SingleMass(1.0, 0.0, 1e-15, 0.0, 0.0, 1.0, 0.0, 0.0)
+    named, single_mass = 0, MassInGap(1.0, 0.0, 1e-15, 0.0, 0.0, 1.0, 0.0, 0.0)
     for e, gap in ((1.0, 1e-15), (0.9999, 1e-15), (1.0, 1e-12)):
         try:
             single_mass_total(replace(single_mass, high=gap, restitution=e), 5.0, 20.0)

@@ -26,7 +26,7 @@ from rig.protocol.spec import Condition
 Row = dict[str, Any]
 
 SETTLE = AVERAGE = 64
-"""Cycles that a stepping method settles and averages: the closed tier averages as many for rows
+"""Cycles that a stepping method settles and averages: the layers variant averages as many for rows
 without a period.
 """
 
@@ -44,7 +44,7 @@ class StandardBed:
     stack: Stack
 
     def energy(self, cycles: int = AVERAGE) -> float:
-        """Return W of the closed tier, J per cycle; rows without a period are averaged over
+        """Return W of the layers variant, J per cycle; rows without a period are averaged over
         `cycles`.
         """
         drive = self.condition.drive
@@ -71,7 +71,7 @@ def stepped(found: StandardBed, method: Method, setting: float) -> float:
 
 def stepped_steady(found: StandardBed, setting: float) -> float:
     """Return W by RK4, J per cycle, with every row followed only until its state recurs, as in the
-    closed tier.
+    layers variant.
     """
     return _by_rows(found, lambda row: solve_steady(row, setting, SETTLE, AVERAGE)[0].energy)
 
@@ -96,7 +96,7 @@ def _by_rows(found: StandardBed, solve: Callable[[Slider], float]) -> float:
 SAME_CYCLES = f"from event to event, {SETTLE + AVERAGE} cycles throughout, 8 rows"
 """Name of our method under the steppers' rule: row by row, none stopped where its state recurs."""
 
-CLOSED = "closed tier, 8 rows"
+CLOSED = "layers variant, 8 rows"
 
 STEPPING = (("RK4, events located", 32.0), ("semi-implicit Euler", 400.0), ("semi-implicit Euler", 1600.0),
             ("Moreau time stepping", 400.0))  # fmt: skip
@@ -106,7 +106,7 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     """Compare models and integrators on one bed: time per condition, and error of W against the
     model's own exact result.
 
-    `error`: against the same rows averaged over 4096 cycles (none for the paper tier).
+    `error`: against the same rows averaged over 4096 cycles (none for the variant as printed).
     `model_error`: against 148 rows per layer and 1024 cycles; quick: 37 rows and 512 cycles. L2/d
     is 37. `times`: time relative to ours under the same rule for the cycles (all of them, or until
     a state recurs), None where there is no counterpart.
@@ -115,13 +115,13 @@ def layers(level: float, rounds: int, quick: bool) -> list[Row]:
     reference = bed(level, many).energy(long)
     omega = 2.0 * np.pi * bed(level).condition.drive.frequency
     calls: dict[str, tuple[Callable[[], float], int]] = {
-        "paper tier": (
+        "variant as printed": (
             partial(as_printed_variant, bed(level).condition.scene, bed(level).rig, level / omega),
             0,
         )
     }
     for rows in (2, 8, 37):
-        calls[f"closed tier, {rows} rows"] = (bed(level, rows).energy, rows)
+        calls[f"layers variant, {rows} rows"] = (bed(level, rows).energy, rows)
     methods = {method.name: method for method in METHODS}
     calls[SAME_CYCLES] = (partial(stepped, bed(level), OURS, 0.0), 8)
     beside = {}

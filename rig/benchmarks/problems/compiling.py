@@ -23,10 +23,10 @@ COMPILED = (
 FIRST_CALL = """
 import sys, time
 from rig.benchmarks.methods import METHODS
-from rig.benchmarks.problems.sliders import single mass, rough
+from rig.benchmarks.problems.sliders import single_mass, rough
 method = next(one for one in METHODS if one.name == sys.argv[1])
 start = time.perf_counter()
-for problem in (rough(0.1, 1.3), single mass(1.5)):
+for problem in (rough(0.1, 1.3), single_mass(1.5)):
     method.solve(problem, method.ladder[0], 1, 1)
 print(time.perf_counter() - start)
 """

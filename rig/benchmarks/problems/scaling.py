@@ -20,7 +20,7 @@ Row = dict[str, Any]
 
 
 def layers(count: float) -> None:
-    """Run the closed tier at 5 m/s^2 for a bed with `count` layers: the standard bed's thresholds,
+    """Run the layers variant at 5 m/s^2 for a bed with `count` layers: the standard bed's thresholds,
     interpolated.
     """
     stack = bed(5.0).stack
@@ -31,7 +31,7 @@ def layers(count: float) -> None:
 
 
 def rows(count: float) -> None:
-    """Run the closed tier at 5 m/s^2 with `count` rows per layer."""
+    """Run the layers variant at 5 m/s^2 with `count` rows per layer."""
     bed(5.0, int(count)).energy()
 
 
@@ -77,9 +77,9 @@ AXES: dict[str, tuple[Callable[[float], None], Sequence[float], Sequence[float],
         layers,
         (64, 256, 1024, 4096),
         (64, 512, 4096),
-        "closed tier, 5 m/s2, 8 rows per layer",
+        "layers variant, 5 m/s2, 8 rows per layer",
     ),
-    "rows": (rows, (8, 32, 128, 512), (8, 64, 512), "closed tier, 5 m/s2, 85 layers"),
+    "rows": (rows, (8, 32, 128, 512), (8, 64, 512), "layers variant, 5 m/s2, 85 layers"),
     "cycles": (cycles, (64, 256, 1024, 2048), (64, 256, 1024), "stand and acquisition, 2 m/s2"),
     "samples": (
         samples,
@@ -91,7 +91,7 @@ AXES: dict[str, tuple[Callable[[float], None], Sequence[float], Sequence[float],
         grains,
         (1e5, 1e6, 1e7, 1e8, 1e9, 1e10),
         (1e5, 1e7, 1e10),
-        "both tiers of W_T, diameter changes",
+        "both variants of W_T, diameter changes",
     ),
 }
 

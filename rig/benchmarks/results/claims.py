@@ -108,18 +108,18 @@ def checked(rows: Sequence[Row]) -> list[Row]:
         found.append(
             _check(f"memory, {long['method']}: MB more than for {short['method']}", grown, 5.0)
         )
-    tier = [row for row in _of(rows, "layers") if row["method"] == "closed tier, 8 rows"]
+    tier = [row for row in _of(rows, "layers") if row["method"] == "layers variant, 8 rows"]
     if tier:
         found.append(
             _check(
-                "closed tier, 8 rows: ms a condition, slowest level",
+                "layers variant, 8 rows: ms a condition, slowest level",
                 max(row["ms"]["median"] for row in tier),
                 10.0,
             )
         )
         found.append(
             _check(
-                "closed tier, 8 rows: relative error of W_T, worst level",
+                "layers variant, 8 rows: relative error of W_T, worst level",
                 max(row["error"] for row in tier),
                 5e-3,
             )

@@ -67,11 +67,11 @@ its errors add up over the cycles.""",
 {ladder}
 
 `numerics` is the error against the same rows averaged over 4096 cycles, `against many rows`
-against {reference}. The paper tier costs nothing and is a different quantity (one slip per
-layer at any level). The closed tier with 8 rows is the default; fewer rows are wrong by per
+against {reference}. The variant as printed costs nothing and is a different quantity (one slip per
+layer at any level). The layers variant with 8 rows is the default; fewer rows are wrong by per
 cents at low level, more are for spread and force peaks.
 
-Two advantages are kept apart. The closed tier follows a row no longer than until its state
+Two advantages are kept apart. The layers variant follows a row no longer than until its state
 recurs; the steppers, and `from event to event, 128 cycles throughout`, follow every row through
 64 cycles of settling and 64 that count. The last column compares like with like: cycle for
 cycle{same}; and, with RK4 stopped by the same rule, row for row{steady}.""",

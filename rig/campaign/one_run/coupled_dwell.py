@@ -1,4 +1,4 @@
-"""A run in shaker-shaker-coupled drive: a dwell on the exciter, from start-up to the end of the
+"""A run in shaker-coupled drive: a dwell on the exciter, from start-up to the end of the
 record.
 """
 
@@ -95,7 +95,7 @@ def max_of(found: list[Limits]) -> Limits:
 
 
 class Dwelling:
-    """A condition on the stand in shaker-shaker-coupled drive.
+    """A condition on the stand in shaker-coupled drive.
 
     rig : with the actual exciter
     rate : actual intervals per second

@@ -1,5 +1,7 @@
 """A run in prescribed motion: its stand, its ledger, and its utilisation of the exciter."""
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,7 +48,7 @@ class PrescribedRun:
         missing = np.zeros(
             (len(rows), len(COUPLED_COLUMNS) - len(COLUMNS) if campaign.coupled else 0)
         )
-        exact = [np.full(len(rows), self._exact())] if campaign.ablate else []
+        exact = [np.full(len(rows), self._exact)] if campaign.ablate else []
         return np.column_stack([rows, missing, *exact]) if campaign.coupled or exact else rows
 
     def scalars(self) -> dict[str, float]:
@@ -74,6 +76,7 @@ class PrescribedRun:
         )
         return with_peaks_of(use, use_of(campaign.rig, steady(full)))
 
+    @cached_property
     def _exact(self) -> float:
         """Return the energy that the bed would dissipate on an exact sine of the level reached, J
         per cycle.

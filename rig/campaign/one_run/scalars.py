@@ -11,7 +11,7 @@ LEVEL_SCALARS = (
     "clipped",
     *(f"stopped_by_{name}" for name in STOPS),
 )
-"""Shaker-shaker-coupled drive: cycles of the level control; jumps of the level on the way; fraction
+"""Shaker-coupled drive: cycles of the level control; jumps of the level on the way; fraction
 of the held cycles in which the amplifier was at a limit; and for each reason 1 if it stopped the
 level, 0 otherwise.
 """

@@ -25,7 +25,7 @@ from rig.stand.prescribed import CHUNK_CYCLES, Stand
 Array = NDArray[np.float64]
 
 HELD = 16
-"""Cycles simulated in shaker-shaker-coupled drive once the level is held: the last half counts."""
+"""Cycles simulated in shaker-coupled drive once the level is held: the last half counts."""
 
 
 @dataclass(frozen=True)

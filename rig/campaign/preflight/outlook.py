@@ -55,7 +55,7 @@ class Outlook:
     side_by_side : the same with as many rows as lie side by side, if peaks of the simulated rows
         exceed a limit; else None
     range_force, range_acceleration : peak as a fraction of the channel's range
-    stopped : reason why the level is not reached in shaker-shaker-coupled drive, "" for none
+    stopped : reason why the level is not reached in shaker-coupled drive, "" for none
     W_detect : detection limit of W
     smallest_difference : resolvable difference between two conditions, 95 %
     repeats_needed : fewest repeats with which U is at most `OFFSET` of W_exp; None if no number up

@@ -11,7 +11,7 @@ from rig.prediction.model import predict
 from rig.protocol.grid import conditions
 from rig.protocol.load import LoadedProtocol
 
-TITLE = "Energies in mJ per cycle: closed tier, paper tier (`paper`), bound; longest period of a row in cycles, 0 for none"
+TITLE = "Energies in mJ per cycle: layers variant, variant as printed (`paper`), bound; longest period of a row in cycles, 0 for none"
 
 
 def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
@@ -57,7 +57,7 @@ def model_table(loaded: LoadedProtocol, as_json: bool) -> None:
     console = terminal()
     console.print(table(TITLE, columns, lines, ("id", "grains", "bed")))
     for row in rows:
-        for name, label in (("W_T", "closed tier"), ("W_T_as_printed", "paper tier")):
+        for name, label in (("W_T", "layers variant"), ("W_T_as_printed", "variant as printed")):
             if row["bed"] == "layers" and row[name] > row["bound"]:
                 console.print(
                     f"{row['id']}: the {label} lies above the bound: impossible at this level"

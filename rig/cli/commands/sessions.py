@@ -214,6 +214,7 @@ def _facts(record: Record) -> dict[str, Any]:
 
 def _condition_facts(record: Record, runs: Mapping[str, Sequence[RunInfo]]) -> list[dict[str, Any]]:
     """Return each condition with the state of its runs."""
+    from analysis.session.former_names import condition_today
     from analysis.session.setting import Setting
 
     found = []
@@ -222,7 +223,14 @@ def _condition_facts(record: Record, runs: Mapping[str, Sequence[RunInfo]]) -> l
         own = runs.get(key, [])
         flags = sorted({name for run in own for name in flag_names(run.flags)})
         complete = sum(run.complete for run in own)
-        found.append({**condition, "runs": len(own), "complete_runs": complete, "flags": flags})
+        found.append(
+            {
+                **condition_today(condition),
+                "runs": len(own),
+                "complete_runs": complete,
+                "flags": flags,
+            }
+        )
     return found
 
 

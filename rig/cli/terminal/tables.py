@@ -129,7 +129,7 @@ def print_report(console: Console, report: "Report") -> None:
         )
         for c in report.conditions[:MOST_ROWS]
     )
-    columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n ch.")
+    columns = ("id", "grains", "d", "bed", "fill", "a", "W_exp", "U", "W_T", "offset", "E_n truth")
     console.print(
         table(
             "Energies in mJ per cycle, fill in %, d in mm, a in m/s2",

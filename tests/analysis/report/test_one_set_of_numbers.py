@@ -30,7 +30,7 @@ SHOWN = {
             "W_T ± U, mJ": ("W_T", "U_W_T", 1e3, 4),
             "offset, %": ("offset", "U_offset", 100, 4),
             "E_n": ("E_n", None, 1, None),
-            "E_n chain": ("E_n_truth", None, 1, None),
+            "E_n truth": ("E_n_truth", None, 1, None),
             "detect, mJ": ("W_detect", None, 1e3, 2),
             "eta ± U": ("eta", "U_eta", 1, 4),
             "M_eff ± U, kg": ("M_eff", "U_M_eff", 1, 4),

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from analysis import read_session
-from analysis.session.former_names import condition_today, prediction_today
+from analysis.session.former_names import condition_today, prediction_today, rig_today, text_today
 from daq import open_session
+from rig import load_protocol, load_rig
 
 OLD = Path(__file__).parents[2] / "data" / "session-v1.h5"
 
@@ -42,3 +43,30 @@ def test_a_prediction_keeps_todays_key_where_both_stand() -> None:
     }
     for value in (None, [], {"conditions": 3}, {"conditions": {"c01": None}}):
         assert prediction_today(value) == value
+
+
+def test_what_a_session_holds_written_out_can_be_run_today(tmp_path: Path) -> None:
+    """The protocol and the rig of the fixture, with today's names, are what today's reader takes."""
+    with open_session(OLD) as record:
+        old = {name: record.document(name)["resolved"] for name in ("protocol", "rig")}
+        resolved = read_session(record).resolved
+    assert resolved is not None
+    for name, text in (("protocol", resolved.protocol), ("rig", resolved.rig)):
+        (tmp_path / f"{name}.yaml").write_text(text or "")
+        assert text != old[name]
+    assert load_rig(tmp_path / "rig.yaml").refill_clearance == 0.1
+    protocol = load_protocol(tmp_path / "protocol.yaml", rig=str(tmp_path / "rig.yaml"))
+    assert (protocol.drive.mode, protocol.acquire.paper_rule) == ("prescribed", True)
+
+
+def test_the_rigs_values_stand_under_todays_paths() -> None:
+    old = {
+        "values": [{"path": "refill_play", "value": 0.1}, {"path": "drive.mode", "value": "servo"}]
+    }
+    assert rig_today(old) == {
+        "values": [
+            {"path": "refill_clearance", "value": 0.1},
+            {"path": "drive.mode", "value": "prescribed"},
+        ]
+    }
+    assert text_today("question: may it play: yes\n") == "question: may it play: yes\n"

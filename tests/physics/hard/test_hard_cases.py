@@ -7,7 +7,7 @@ import pytest
 from rig.benchmarks.hard.case import Case, CaseOutcome, at_least, at_most, decade, exactly
 from rig.benchmarks.hard.suite import CASES, outcome
 from rig.benchmarks.stability import PAGE, differences, page
-from rig.theory.single_mass import SingleMass, single_mass_total
+from rig.theory.single_mass import MassInGap, single_mass_total
 from rig.theory.total import TooManyEvents
 
 
@@ -25,7 +25,7 @@ def test_bouncing_for_hours_is_given_up_by_name() -> None:
     tiny gap.
     """
     with pytest.raises(TooManyEvents):
-        single_mass_total(SingleMass(1.0, 0.0, 1e-10, 0.0, 0.0, 1.0, 0.0, 0.0), 5.0, 20.0)
+        single_mass_total(MassInGap(1.0, 0.0, 1e-10, 0.0, 0.0, 1.0, 0.0, 0.0), 5.0, 20.0)
 
 
 def test_names_are_unique() -> None:

@@ -63,7 +63,7 @@ def line(text: str, **changes: list[str]) -> str:
             ["scene.layers: found scene.layers varied"],
         ),
         (
-            "fidelity: auto\nmistake: {cycles: 3.5}",
+            "fidelity: auto\ndeliberate_error: {cycles: 3.5}",
             ["deliberate_error.cycles: found a mistake in the cycles"],
         ),
         ("sceen: {}", ["protocol:3: sceen: found the key 'sceen'", "did you mean 'scene'?"]),
@@ -113,7 +113,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("scene: {bed: layer}", ["found 'layer'", "did you mean 'layers'?"]),
         (
             "scene: {bed: grains}",
-            ["the bed grains, not built yet", "empty, locked, dashpot, single mass, layers"],
+            ["the bed grains, not built yet", "empty, locked, dashpot, single_mass, layers"],
         ),
         (
             "scene: {bed: single_mass, axis: vertical, single_mass: {friction: 0.3}}",
@@ -130,7 +130,7 @@ def line(text: str, **changes: list[str]) -> str:
             "scene: {axis: vertical}",
             [
                 "scene.axis: found axis vertical with bed layers",
-                "empty, locked, dashpot, single mass",
+                "empty, locked, dashpot, single_mass",
             ],
         ),
         ("scene: {single_mass: {gap: never}}", ["scene.single_mass.gap: found 'never'"]),
@@ -141,9 +141,9 @@ def line(text: str, **changes: list[str]) -> str:
             ],
         ),
         ("scene: {single_mass: {gap: -1}}", ["scene.single_mass.gap: found -1", "or none"]),
-        ("drive: {mode: shaker}\nfidelity: auto", ["the drive coupled with fidelity auto"]),
+        ("drive: {mode: shaker}\nfidelity: auto", ["the drive shaker with fidelity auto"]),
         (
-            "drive: {mode: shaker}\nmistake: {coil: true}",
+            "drive: {mode: shaker}\ndeliberate_error: {coil: true}",
             ["the mistake coil in shaker-coupled drive"],
         ),
         (
@@ -198,7 +198,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("faults: [{channel: force}]", ["faults[1]: found no kind"]),
         ("expect: 3", ["expect: found 3"]),
         ("expect: [3]", ["expect[1]: found 3", "a mapping for each claim"]),
-        ("rig: defalt", ["protocol:3: rig: found no rig 'defalt'", "did you mean 'default'?"]),
+        ("rig: papr", ["protocol:3: rig: found no rig 'papr'", "did you mean 'paper'?"]),
         ("rig: ../nowhere.yaml", ["no rig"]),
         (f"rig: {'x' * 5000}", ["no rig"]),
         (f"rig: {'x' * 5000}.yaml", ["no rig"]),
@@ -266,8 +266,8 @@ def test_a_flood_of_mistakes_is_cut() -> None:
     [
         ({"sets": ["scene.bed=grains"]}, "--set scene.bed=grains: scene.bed: found the bed grains"),
         (
-            {"sets": ["scene.bd=single mass"]},
-            "--set scene.bd=single mass: scene.bd: found the key 'bd'",
+            {"sets": ["scene.bd=single_mass"]},
+            "--set scene.bd=single_mass: scene.bd: found the key 'bd'",
         ),
         ({"sets": ["scene.bed"]}, "--set scene.bed: found 'scene.bed'; allowed: path=value"),
         ({"sets": ["=3"]}, "--set =3: found '=3'"),

@@ -199,7 +199,7 @@ protocols = st.builds(
     repeats=st.builds(Repeats, st.integers(1, 100), st.booleans()),
     seed=st.integers(0, 2**63 - 1),
     expect=st.lists(claims(), max_size=3).map(tuple),
-    mistake=mistakes,
+    deliberate_error=mistakes,
 )
 found_by_auto = ("scene.layers.rows", "acquire.record")
 with_tolerance = st.builds(
