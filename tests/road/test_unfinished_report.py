@@ -4,12 +4,13 @@ import json
 import os
 import signal
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from small_protocol import SMALL
 
-from analysis import write_report
+from analysis import read_report, write_report
 from daq.whole_files import UNFINISHED
 from rig.campaign.runner import run
 from rig.cli.commands import sessions
@@ -51,10 +52,12 @@ def killed_at_move(session: Path, move: int) -> None:
             if event == "os.rename" and next(moves) == move:
                 os.kill(os.getpid(), signal.SIGKILL)
 
-        report = json.loads((session / "report.json").read_text())
-        sys.addaudithook(count)
-        write_report({**report, "protocol": "another"}, session)
-        os._exit(0)
+        try:
+            report = replace(read_report(session), protocol="another")
+            sys.addaudithook(count)
+            write_report(report, session)
+        finally:
+            os._exit(0)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
 
 

@@ -300,7 +300,7 @@ def neighbourhood() -> CaseOutcome:
     """500 random single masses, 10 cycles each: weight, friction or neither, gaps 1e-2 to 1e3, e 0
     to 1, starts in the air.
     """
-    rng = stream(SEED, "hard", "single masses")
+    rng = stream(SEED, "hard", "slugs")  # the first name: the same drawn cases
     gone, outside, negative, closure, most, refused = 0, 0.0, 0.0, 0.0, 0, 0
     for _ in range(500):
         size = int(rng.integers(1, 5))

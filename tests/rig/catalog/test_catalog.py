@@ -118,7 +118,7 @@ def test_analyzer_rates() -> None:
         (lambda: exciter("JZ30"), "did you mean 'JZ-30'?"),
         (lambda: transducer("208C3", "force"), "did you mean '208C03'?"),
         (lambda: analyzer("INV3118"), "did you mean 'INV-3118'?"),
-        (lambda: load_rig("defalt"), "did you mean 'default'?"),
+        (lambda: load_rig("papr"), "did you mean 'paper'?"),
     ],
 )
 def test_unknown_names_give_the_nearest(call, hint: str) -> None:  # type: ignore[no-untyped-def]
