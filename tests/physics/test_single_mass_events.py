@@ -57,7 +57,8 @@ gaps = st.just(0.0) | st.just(NO_LID) | st.floats(-25.0, 12.0).map(np.exp)
     pull=st.floats(1e-3, 2.0),
     gap=gaps,
     e=restitutions,
-    place=st.floats(0.0, 1.0),
+    # At the wall or off it by a rounding at least: of 5e-324 the kernel gives up, by name.
+    place=st.just(0.0) | st.floats(1e-15, 1.0),
     speed=st.just(0.0) | st.floats(-3.0, 3.0),
     waveform=st.sampled_from([SINE, THIRD]),
 )

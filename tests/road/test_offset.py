@@ -16,7 +16,7 @@ from small_protocol import IDEAL
 
 from analysis import read_session
 from analysis.comparison.offset_terms import LARGEST_REMAINDER
-from analysis.session.ledger_columns import TERMS
+from analysis.results.condition_row import TERMS
 from daq.session.record import open_session
 from rig.campaign.campaign import Campaign
 from rig.campaign.loss_calibration import calibrated
@@ -116,7 +116,7 @@ def test_an_ablation_parts_the_waveform_from_the_refill(tmp_path: Path) -> None:
     still = campaign("repeats.refill=false", "scene.losses=[]")
     still = replace(still, rig=replace(still.rig, level_error=0.0))
     reports = [
-        run(replace(still, ablate=ablate), tmp_path / str(ablate), workers=2)
+        run(replace(still, ablate=ablate), tmp_path / str(ablate), workers=2).document()
         for ablate in (False, True)
     ]
     for plain, parted in zip(*(report["conditions"] for report in reports), strict=True):
