@@ -32,8 +32,7 @@ class TwoWay:
     row_mass, restitution : mass of each row, kg, and its coefficient of restitution at the end
         walls
     band, clearance : friction of each row against the box divided by its mass, m/s^2, and its
-    clearance,
-        m, shape (rows,)
+        clearance, m, shape (rows,)
     pull : acceleration of the rows along the drive axis due to gravity, m/s^2; the support of the
         box carries their weight
     start, velocity : initial position of the rows from the wall at 0, m, and initial velocity

@@ -264,8 +264,7 @@ class Protocol:
     fastest.
 
     fidelity : auto finds rows per layer, settling and record for each condition, so that the error
-    of W per cycle
-        against the fully resolved scene stays within `tolerance` (None: 1 %)
+        of W per cycle against the fully resolved scene stays within `tolerance` (None: 1 %)
     """
 
     name: str
