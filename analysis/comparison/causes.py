@@ -1,4 +1,4 @@
-"""What could make W_exp exceed W_T, and the marks by which the candidates are told apart.
+"""What could make W_exp exceed W_T, and what distinguishes the candidates.
 
 Each cause has a closed form in acceleration, frequency and mass. Where a run holds the cause, the
 ledger's energies take the form's place; where it does not, the form says what it would do on this

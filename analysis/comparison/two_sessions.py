@@ -207,7 +207,7 @@ def _levels(a: ConditionRow, b: ConditionRow) -> float:
 
 
 def _pair(a: ConditionRow, b: ConditionRow, same: bool) -> ComparedPair:
-    """Two conditions; whether their difference is significant is told by all pairs together."""
+    """A pair of conditions; the test of all pairs together decides which differences are significant."""
     difference = _estimate(b.W_exp - a.W_exp, [(a, -1.0)], [(b, 1.0)], same, [_level_part(a, b)])
     told = all(row.W_exp > max(row.detected, row.U_W_exp) for row in (a, b))
     ratio = b.W_exp / a.W_exp if told else None

@@ -136,7 +136,7 @@ def _nulls(nulls: Sequence[NullTest]) -> Iterator[tuple[bool, str]]:
 
 
 def _references(references: Sequence[Reference]) -> Iterator[tuple[bool, str]]:
-    """As _nulls. A reference that holds is told where something was measured; the signs only where
+    """Return what `_nulls` does, for references: those that were measured, and the signs only where
     they are wrong.
     """
     told = [

@@ -284,8 +284,8 @@ class RecordedTold:
 
 
 def _recorded(result: Result) -> RecordedTold:
-    """The comparison with W_T on the recorded waveforms; the offset as `offset` is left out where
-    nothing is told.
+    """Return the comparison with W_T on the recorded waveforms; the offset is None where W_T or
+    W_exp is below its detection limit.
     """
     found = result.recorded
     if found is None:

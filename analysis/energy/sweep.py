@@ -6,8 +6,8 @@ dphi = 2 pi f dt: what is steady in phase counts alike wherever in the cycle it 
 and delays of the channels are undone at each cycle's frequency.
 
 A linear system answers a sweep with H - j (b/2) H'' + .., b = 2 pi p, derivatives by the angular
-frequency: how far the answer is off the steady one is told from the curve itself, (b/2) |H''|, by a
-parabola through neighbouring points.
+frequency. The error against the steady response, (b/2) |H''|, is estimated from the curve itself, by
+a parabola through neighbouring points.
 """
 
 from collections.abc import Mapping, Sequence

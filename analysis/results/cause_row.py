@@ -1,4 +1,4 @@
-"""A cause of an offset in the report, with the marks by which it is told."""
+"""A cause of an offset in the report, with what distinguishes it from others."""
 
 from dataclasses import dataclass
 from typing import Annotated

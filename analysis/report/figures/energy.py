@@ -206,7 +206,7 @@ def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawi
         *(W for _, W in runs),
     ]
     axes: Callable[..., Scale] = logarithmic if log else linear
-    if log:  # what a logarithmic axis cannot show ends it: nothing far below what is told from zero
+    if log:  # the logarithmic axis ends at the detection limit: nothing far below it is significant
         floor = min((1e3 * max(row.detected, 1e-9) for row in rows), default=1e-6)
         heights = [max(height, floor / 3) for height in heights]
     panel = Panel(
