@@ -13,12 +13,12 @@ from daq.caches import place_caches
 if TYPE_CHECKING:
     from analysis.comparison.two_sessions import compare
     from analysis.comparison.whole_session import agreement
-    from analysis.energy.energies import Energy
+    from analysis.energy.energy_and_phasors import Energy
     from analysis.energy.per_cycle import dissipated_energy
     from analysis.pipeline import read_session, run_energy
     from analysis.report.files import read_report, write_report
     from analysis.report.two_sessions import write_comparison
-    from analysis.results.compared import Comparison
+    from analysis.results.comparison_rows import Comparison
     from analysis.results.report import Report
     from analysis.results.run import RunEnergy
     from analysis.session.record import AnalysisError, RecordedSession
@@ -46,8 +46,8 @@ __all__ = [
 
 _HOME = {
     "AnalysisError": "analysis.session.record",
-    "Comparison": "analysis.results.compared",
-    "Energy": "analysis.energy.energies",
+    "Comparison": "analysis.results.comparison_rows",
+    "Energy": "analysis.energy.energy_and_phasors",
     "Estimate": "analysis.uncertainty.estimate",
     "RecordedSession": "analysis.session.record",
     "Report": "analysis.results.report",

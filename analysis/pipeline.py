@@ -11,7 +11,7 @@ from analysis.comparison.loop_back import LoopBack, loop_back
 from analysis.comparison.offset_terms import actual_of
 from analysis.comparison.verdict import NOT_REACHED
 from analysis.comparison.whole_session import agreement
-from analysis.energy.energies import AtBox, Energy
+from analysis.energy.energy_and_phasors import AtBox, Energy
 from analysis.energy.gauge_position import at_box
 from analysis.energy.per_cycle import Total, harmonics, window_energy
 from analysis.energy.sweep import sweep

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from analysis.results.cause_row import CauseRow, Growth, Span
 from analysis.results.condition import Result
+from analysis.results.session_rows import CauseRow, Growth, Span
 from analysis.session.protocol import RigValue
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -106,7 +106,7 @@ def causes(
     for cause in _candidates({name: float(rig[name]) for name in NEEDED}, channels):
         listed = [result for result in results if cause.listed(result.setting)]
         energies = {name: cause.form(point) for name, point in points.items()} if cause.form else {}
-        seen = {result.setting.id: _mean(result, cause.column) for result in listed}
+        seen = {result.setting.id: result.ledger_mean(cause.column) for result in listed}
         energies |= {name: energy for name, energy in seen.items() if energy is not None}
         in_run = bool(listed) or not cause.loss
         row = _row(cause, results, points, energies, cause.form or (lambda _still: 0.0), in_run)
@@ -320,14 +320,6 @@ def _slope(cases: Iterable[tuple[float, float, Any]]) -> float | None:
         square += math.fsum((x - middle[0]) ** 2 for x, _ in pairs)
         product += math.fsum((x - middle[0]) * (y - middle[1]) for x, y in pairs)
     return product / square if square > 1e-6 else None
-
-
-def _mean(result: Result, column: str) -> float | None:
-    """Mean of a ledger column over the runs, J per cycle; None without truth."""
-    values = [
-        run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger
-    ]
-    return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
 
 
 def _over_first_principles(results: Iterable[Result], loss: str) -> Span | None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.comparison.pooled_ratio import energy_ratio
+from analysis.comparison.pooled_results import energy_ratio
 from analysis.results.condition import Result
 from analysis.uncertainty.budget import RESOLUTION, combine
 from analysis.uncertainty.estimate import Estimate, effective_dof

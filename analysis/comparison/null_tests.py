@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from analysis.comparison.family_of_tests import FAILS, Zero
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.judged_rows import NullRow
 from analysis.results.run import RunEnergy
 from analysis.session.record import ChannelFacts

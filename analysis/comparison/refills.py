@@ -24,10 +24,10 @@ __all__ = [
     "TRIED",
     "WANTED",
     "Coverage",
-    "RefillsTold",
+    "RefillColumns",
     "coverage",
     "held",
-    "refills_row",
+    "refill_columns",
 ]
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class Coverage:
 
 
 @dataclass(frozen=True, slots=True)
-class RefillsTold:
+class RefillColumns:
     """What the report says of a condition's refills: what they take beyond the nominal bed in the
     mean, relative; their skew; where that is large the coverage as stated and of Student's t, and
     the refills needed for that."""
@@ -66,12 +66,12 @@ class RefillsTold:
     refills_needed: int | None
 
 
-def refills_row(result: Result) -> RefillsTold:
+def refill_columns(result: Result) -> RefillColumns:
     """What the report says of the refills of a condition."""
     told, refills = None, result.refills
     if len(result.runs) > 1 and abs(skew(refills)) >= SKEWED:
         told = coverage(result)
-    return RefillsTold(
+    return RefillColumns(
         refill_mean=math.fsum(refills) / len(refills) - 1 if refills else None,
         refill_skew=skew(refills) if refills else None,
         refill_coverage=told.share if told else None,

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from analysis.results.compared import (
+from analysis.results.comparison_rows import (
     SCHEMA,
     ComparedPair,
     ComparedSession,

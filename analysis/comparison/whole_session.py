@@ -12,18 +12,21 @@ from analysis.comparison.family_of_tests import CHAIN_SHARE, chain_tests, critic
 from analysis.comparison.loop_back import LoopBack, loop_back_nulls
 from analysis.comparison.null_tests import null_tests
 from analysis.comparison.offset_terms import Actual, allowed_remainder, offset_terms
-from analysis.comparison.pooled_ratio import energy_ratio, line_through, propagated, recorded_ratio
+from analysis.comparison.pooled_results import (
+    agreement_row,
+    comparisons,
+    model_columns,
+    propagated,
+)
 from analysis.comparison.references import references, signs
-from analysis.comparison.refills import refills_row
-from analysis.comparison.three_comparisons import comparisons, model_row
+from analysis.comparison.refills import refill_columns
 from analysis.comparison.verdict import verdict
 from analysis.energy.sweep_curve import SweepCurve
-from analysis.results.agreement_row import AgreementRow
 from analysis.results.condition import Result, box_distortion, evaluate
 from analysis.results.condition_row import ConditionRow, OffsetTerms, RunRow, SourceRow
 from analysis.results.deliberate_errors import deliberate
 from analysis.results.mean_cycle import waveforms
-from analysis.results.predicted_on_record import Recorded
+from analysis.results.recorded_waveform import Recorded
 from analysis.results.report import (
     SCHEMA,
     FlagRow,
@@ -47,7 +50,6 @@ from daq.documents.classes import finite
 
 __all__ = ["agreement"]
 
-BOX_LOSSES = ("W_noise", "W_air", "W_gas", "W_mount")  # ledger columns of what is not in the bed
 OWN_MECHANISM = {"grains"}  # beds that do not share the mechanism behind W_T
 
 
@@ -126,7 +128,7 @@ def agreement(
             sorted({setting.support for setting in settings.values() if setting.support})
         ),
         conditions=rows,
-        agreement=_agreement(results),
+        agreement=agreement_row(results),
         comparisons=comparisons(results),
         causes=causes(results, channels, assumed),
         claims=judge(expect, {result.setting.id: result for result in results}),
@@ -167,8 +169,8 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
     offset = _offset(result, exp.value, result.W_T) if told else None
     difference = result.difference if told else None
     model, refills, recorded, at_box = (
-        model_row(result),
-        refills_row(result),
+        model_columns(result),
+        refill_columns(result),
         _recorded(result),
         _at_box(result),
     )
@@ -186,7 +188,7 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
         acceleration=result.mean("level"),
         period=got.period,
         periodic_share=got.periodic_share,
-        dKE_bed=_ledger_mean(result, "dKE_bed"),
+        dKE_bed=result.ledger_mean("dKE_bed"),
         runs=tuple(_run_row(run) for run in result.runs),
         W_exp=exp.value,
         s_W_exp=math.sqrt(math.fsum((w - exp.value) ** 2 for w in W) / (n - 1)) if n > 1 else None,
@@ -273,7 +275,7 @@ def _at_box(result: Result) -> tuple[float, float] | None:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedTold:
+class RecordedColumns:
     """The comparison with W_T on the recorded waveforms; None for what is not told."""
 
     W_T: float | None = None
@@ -283,15 +285,15 @@ class RecordedTold:
     E_n: float | None = None
 
 
-def _recorded(result: Result) -> RecordedTold:
+def _recorded(result: Result) -> RecordedColumns:
     """Return the comparison with W_T on the recorded waveforms; the offset is None where W_T or
     W_exp is below its detection limit.
     """
     found = result.recorded
     if found is None:
-        return RecordedTold()
+        return RecordedColumns()
     offset = _offset(found, result.W_exp.value, found.W_T) if result.comparable_recorded else None
-    return RecordedTold(
+    return RecordedColumns(
         W_T=found.W_T.value,
         U_W_T=found.W_T.U,
         offset=offset.value if offset else None,
@@ -320,66 +322,9 @@ def _run_row(run: RunEnergy) -> RunRow:
     )  # fmt: skip
 
 
-def _agreement(results: Sequence[Result]) -> AgreementRow:
-    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay
-    common.
-    """
-    comparable = [r for r in results if r.comparable]
-    ratio = energy_ratio(comparable)
-    on_waveform = [
-        (r, r.recorded.W_T) for r in results if r.recorded is not None and r.comparable_recorded
-    ]
-    recorded = recorded_ratio([r for r, _ in on_waveform])
-    predicted = [(r, r.W_T) for r in results if r.W_T is not None and r.W_T.value > 0]
-    slope = line = None
-    if ratio is not None:
-        predicted = [(r, W_T) for r, W_T in predicted if r.comparable]
-        slope, line = line_through(comparable, origin=True), line_through(comparable)
-    known = line or slope  # of two conditions there is only the line through the origin
-    if known is not None and not known.is_likely:
-        slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
-    offsets = (
-        [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
-        if ratio is not None
-        else []
-    )
-    return AgreementRow(
-        ratio=ratio.value if ratio else None,
-        U_ratio=ratio.U if ratio else None,
-        k=ratio.k if ratio else None,
-        nu=ratio.nu if ratio else None,
-        slope=slope.slope.value if slope else None,
-        U_slope=slope.slope.U if slope else None,
-        line=line.row() if line else None,
-        mean_offset=math.fsum(offsets) / len(offsets) if offsets else None,
-        n=len(offsets),
-        put_in=_put_in(predicted),
-        ratio_recorded=recorded.value if recorded else None,
-        U_ratio_recorded=recorded.U if recorded else None,
-        put_in_recorded=_put_in(on_waveform),
-    )
-
-
-def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
-    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None
-    without truth or W_T.
-    """
-    total = math.fsum(W_T.value for _, W_T in predicted)
-    found = [_ledger_mean(result, column) for result, _ in predicted for column in BOX_LOSSES]
-    known = [value for value in found if value is not None]
-    return math.fsum(known) / total if known and total > 0 else None
-
-
 def _E_n(difference: Estimate | None) -> float | None:
     """E_n score: the difference over its expanded uncertainty."""
     return None if difference is None or not difference.U else difference.value / difference.U
-
-
-def _ledger_mean(result: Result, column: str) -> float | None:
-    values = [
-        run.ledger[column] for run in result.runs if run.ledger is not None and column in run.ledger
-    ]
-    return math.fsum(values) / len(values) if len(values) == len(result.runs) else None
 
 
 def _closure(results: Sequence[Result]) -> float | None:

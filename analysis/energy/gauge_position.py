@@ -16,7 +16,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy.energies import AtBox, Energy
+from analysis.energy.energy_and_phasors import AtBox, Energy
 from analysis.session.exciter import SessionExciter
 
 __all__ = ["at_box"]

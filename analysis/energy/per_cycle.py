@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.signals.compiled_loops import CycleSums, cycle_sums
 from analysis.signals.correction import advanced, without_pole
 from analysis.signals.cycles import on_grid, whole_cycles

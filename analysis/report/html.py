@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
 from analysis.report.figures.drawing import Plot, svg_text
 from analysis.report.loss_names import losses_sentence
@@ -27,25 +27,31 @@ def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
     """
     name = report.protocol or "session"
     passes = report.passes
-    found = f"<p class='result'>{escape(wording.headline(report))}</p>"
+    found = f"<p class='result'>{escape(report_sentences.headline(report))}</p>"
     checks = (
         "<ul>"
-        + "".join(f"<li>{escape(reason)}</li>" for reason in wording.reasons(report))
+        + "".join(f"<li>{escape(reason)}</li>" for reason in report_sentences.reasons(report))
         + "</ul>"
     )
-    more = "".join(f"<p>{escape(text)}</p>" for text in wording.found(report))
-    why = "".join(f"<p class='result'>{escape(text)}</p>" for text in wording.failures(report))
+    more = "".join(f"<p>{escape(text)}</p>" for text in report_sentences.found(report))
+    why = "".join(
+        f"<p class='result'>{escape(text)}</p>" for text in report_sentences.failures(report)
+    )
     head = [
         f"<h1>{escape(name)}</h1>",
-        f"<p class='lead'>{escape(wording.tested(report))}</p>",
+        f"<p class='lead'>{escape(report_sentences.tested(report))}</p>",
         f"<p><strong>Question:</strong> {escape(report.question)}</p>" if report.question else "",
         *(
             f"<p>{escape(text)}</p>"
-            for text in (wording.waveform(report), wording.support(report), losses_sentence(report))
+            for text in (
+                report_sentences.waveform(report),
+                report_sentences.support(report),
+                losses_sentence(report),
+            )
             if text
         ),
         f"<section class='verdict {'good' if passes else 'bad'}' aria-labelledby='verdict'>",
-        f"<h2 id='verdict'>Verdict: {escape(wording.verdict_line(report).lower())}</h2>",
+        f"<h2 id='verdict'>Verdict: {escape(report_sentences.verdict_line(report).lower())}</h2>",
         (found if passes else why + found.replace(" class='result'", ""))
         + more
         + checks

@@ -9,18 +9,18 @@ under the same schema; those that are required here stay.
 from collections.abc import Mapping
 from typing import Any
 
-from analysis.results import compared, report
+from analysis.results import comparison_rows, report
 from daq.documents.classes import shape_of
 from daq.documents.json_schema import document_schema
 
 __all__ = ["COMPARED", "REPORT", "comparison_schema", "report_schema"]
 
-REPORT, COMPARED = shape_of(report.Report), shape_of(compared.Comparison)
+REPORT, COMPARED = shape_of(report.Report), shape_of(comparison_rows.Comparison)
 
 
 def comparison_schema() -> Mapping[str, Any]:
     """The JSON Schema of comparison.json."""
-    return document_schema(COMPARED, f"Two sessions compared, {compared.SCHEMA}")
+    return document_schema(COMPARED, f"Two sessions compared, {comparison_rows.SCHEMA}")
 
 
 def report_schema() -> Mapping[str, Any]:

@@ -3,8 +3,8 @@ explain nothing.
 """
 
 from analysis.report.tables.cells import significant
-from analysis.results.cause_row import Span
 from analysis.results.report import Report
+from analysis.results.session_rows import Span
 
 __all__ = ["EXPLAINED", "first_principles", "loss_name", "losses_sentence"]
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
 from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
@@ -29,21 +29,25 @@ def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str
     name = report.protocol or "session"
     lines = [
         f"# {plain(name)}: agreement of measured and predicted dissipation",
-        plain(wording.tested(report)),
+        plain(report_sentences.tested(report)),
     ]
     if report.question:
         lines.append(f"Question: {plain(report.question)}")
     lines += [
         *(
             plain(text)
-            for text in (wording.waveform(report), wording.support(report), losses_sentence(report))
+            for text in (
+                report_sentences.waveform(report),
+                report_sentences.support(report),
+                losses_sentence(report),
+            )
             if text
         ),
-        f"## Verdict: {plain(wording.verdict_line(report))}",
-        *(f"**{plain(text)}**" for text in wording.failures(report)),
-        plain(wording.headline(report)),
-        *map(plain, wording.found(report)),
-        "\n".join(f"- {plain(reason)}" for reason in wording.reasons(report)),
+        f"## Verdict: {plain(report_sentences.verdict_line(report))}",
+        *(f"**{plain(text)}**" for text in report_sentences.failures(report)),
+        plain(report_sentences.headline(report)),
+        *map(plain, report_sentences.found(report)),
+        "\n".join(f"- {plain(reason)}" for reason in report_sentences.reasons(report)),
         *(f"**{plain(text)}**" for text in mistake_sentences(report)),
         *map(_table, mistake_tables(report)),
         *map(plain, fidelity_sentences(report)),

@@ -5,7 +5,7 @@ from it.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.figures.cycles import repeats_plot, waveform_plot
 from analysis.report.figures.drawing import Plot
 from analysis.report.figures.energy import energy_plots
@@ -83,7 +83,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
         part(
             "To reproduce",
             (),
-            sentences=[f"{command}: {why}" for command, why in wording.again(report)],
+            sentences=[f"{command}: {why}" for command, why in report_sentences.again(report)],
         ),
         part("Difference against mean", (bland_altman(report),)),
     )

@@ -12,7 +12,7 @@ from analysis.report.html import page
 from analysis.report.markdown import plain, section_texts
 from analysis.report.sections import Section
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, with_U
-from analysis.results.compared import ComparedPair, ComparedSession, Comparison
+from analysis.results.comparison_rows import ComparedPair, ComparedSession, Comparison
 from analysis.text import counted, escape
 from daq.json_text import json_text
 from daq.strange_text import cell_text

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.run import Coil
 from analysis.session.exciter import SessionExciter
 from analysis.session.record import ChannelFacts

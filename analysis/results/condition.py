@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.results.coil_current import coil_estimates
-from analysis.results.predicted_on_record import Recorded, on_recorded
+from analysis.results.recorded_waveform import Recorded, on_recorded
 from analysis.results.run import RunEnergy
 from analysis.session.ledger_columns import DISSIPATED, STINGER
 from analysis.session.prediction import Predicted, middle
@@ -85,6 +85,18 @@ class Result:
     def mean(self, name: str) -> float:
         """Mean over the runs of a number of their Energy."""
         return math.fsum(getattr(run.energy, name) for run in self.runs) / len(self.runs)
+
+    def ledger_mean(self, column: str) -> float | None:
+        """Return the mean of a ledger column over the runs, J per cycle.
+
+        None where the ledger of a run is missing or has no such column.
+        """
+        values = [
+            run.ledger[column]
+            for run in self.runs
+            if run.ledger is not None and column in run.ledger
+        ]
+        return math.fsum(values) / len(values) if len(values) == len(self.runs) else None
 
 
 def evaluate(

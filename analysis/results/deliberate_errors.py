@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.condition import Result
 from analysis.results.mistake_rows import MistakeReport, MistakeRow
 from analysis.session.ledger_columns import DISSIPATED

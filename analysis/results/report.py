@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from analysis.energy.sweep_curve import SweepCurve
-from analysis.results.agreement_row import AgreementRow, ComparisonRow
-from analysis.results.cause_row import CauseRow
 from analysis.results.condition_row import ConditionRow
 from analysis.results.judged_rows import ClaimRow, NullRow, ReferenceRow
 from analysis.results.mistake_rows import MistakeReport
+from analysis.results.session_rows import AgreementRow, CauseRow, ComparisonRow
 from analysis.results.waveform_rows import Waveforms
 from analysis.session.fidelity import Fidelity
 from analysis.session.protocol import RigValue

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from analysis.energy.energies import AtBox, Energy
+from analysis.energy.energy_and_phasors import AtBox, Energy
 from analysis.uncertainty.budget_line import Line
 
 __all__ = ["Coil", "RunEnergy"]

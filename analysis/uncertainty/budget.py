@@ -10,7 +10,7 @@ W_T e, n = dlnW/dlna: their difference carries 1 - n.
 import math
 from collections.abc import Iterable, Sequence
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.session.prediction import SessionPrediction
 from analysis.session.record import ChannelFacts
 from analysis.signals.correction import pole_phase

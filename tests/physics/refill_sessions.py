@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.condition import Result, evaluate
 from analysis.results.run import RunEnergy
 from analysis.session.prediction_entry import PredictionEntry

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from analysis.comparison.claim_tests import TESTS, Level, Question
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.condition import evaluate
 from analysis.results.run import RunEnergy
 from analysis.session.setting import Setting

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from refill_sessions import FILLS, LEVELS, Bank
 
-from analysis.comparison.refills import SKEWED, TRIED, WANTED, held, refills_row
+from analysis.comparison.refills import SKEWED, TRIED, WANTED, held, refill_columns
 from analysis.uncertainty.skewed_scatter import skew, stretch
 
 LOW, HIGH = WANTED, 0.97
@@ -56,7 +56,7 @@ def test_a_normal_scatter_is_not_stretched():
 def test_the_report_says_what_a_large_skew_leaves():
     source = Bank.of(("90 %",), (2, 5), 4)
     rng = np.random.default_rng(1)
-    even, skewed = (refills_row(source.condition(a, 0, rng, 4)) for a in (0, 1))
+    even, skewed = (refill_columns(source.condition(a, 0, rng, 4)) for a in (0, 1))
     assert even.refill_coverage is None
     assert even.refills_needed is None
     assert abs(even.refill_skew) < SKEWED < abs(skewed.refill_skew)

@@ -10,7 +10,7 @@ import pytest
 
 from analysis import Report
 from analysis.energy.sweep import fundamentals, shift
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.figures.sweep import sweep_plot
 from rig.beds.janssen_stack import nominal
 from rig.campaign.preflight.dry_run import dry_run_coupled
@@ -96,10 +96,10 @@ def _told_truly(report: Report) -> None:
     """
     assert report.waveform == "measured"
     assert {row.why for row in report.comparisons} == {"not made: no run states an energy"}
-    assert "empty, locked" in wording.tested(report)
-    assert "ideal" not in wording.waveform(report)
-    assert "states no energy" in wording.headline(report)
-    assert wording.verdict_line(report).startswith("Nothing judged")
+    assert "empty, locked" in report_sentences.tested(report)
+    assert "ideal" not in report_sentences.waveform(report)
+    assert "states no energy" in report_sentences.headline(report)
+    assert report_sentences.verdict_line(report).startswith("Nothing judged")
     assert not any("truth" in reason or "can be used" in reason for reason in report.reasons)
     drawn = sweep_plot(report)
     assert drawn is not None
@@ -112,14 +112,14 @@ def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
     """
     protocol = load_protocol(SWEEP, ["drive.command=95 %", "acquire.record=60 cycles"])
     report = run(campaign_of(protocol, load_rig("paper"), SWEEP), tmp_path)
-    assert report.verdict == wording.verdict_line(report).lower() == "fails"
+    assert report.verdict == report_sentences.verdict_line(report).lower() == "fails"
     flags = {row.flag: row for row in report.flags}
     assert {flag for one in report.sweeps for flag in one.flags} == set(flags)
     for name, flag in flags.items():
         assert list(flag.runs) == [one.run for one in report.sweeps if name in one.flags]
     assert flags["clipped"].worst is None
     assert (flags["over_stroke"].worst or 0.0) > 1.0
-    assert "clipped" in wording.found(report)[-1]
+    assert "clipped" in report_sentences.found(report)[-1]
 
 
 def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:

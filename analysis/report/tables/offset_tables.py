@@ -6,9 +6,9 @@ import math
 
 from analysis.report.loss_names import first_principles, loss_name, short_name
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, fixed, number, significant
-from analysis.results.cause_row import CauseRow, Growth
 from analysis.results.condition_row import TERMS
 from analysis.results.report import Report
+from analysis.results.session_rows import CauseRow, Growth
 
 __all__ = ["causes", "offset_terms"]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.energy.online import Online
+from analysis.energy.live_energy import Online
 from analysis.session.record import AnalysisError
 from analysis.session.setting import LOOP_BACK, Setting
 from daq.chain.block import Block, flag_names

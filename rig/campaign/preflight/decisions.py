@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from analysis.comparison.claims import judge
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.condition import Result, evaluate
 from analysis.results.judged_rows import ClaimRow
 from analysis.results.run import RunEnergy

@@ -108,7 +108,7 @@ def print_report(console: Console, report: "Report") -> None:
     """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement
     and the checks.
     """
-    from analysis.report import wording
+    from analysis.report import report_sentences
     from analysis.report.deliberate_errors import mistake_sentences
     from analysis.report.tables.fidelity import fidelity_sentences
     from analysis.text import counted
@@ -145,7 +145,7 @@ def print_report(console: Console, report: "Report") -> None:
         console.print(f"claim, {claim.verdict}: {claim.claim.rstrip('.')} ({claim.why})")
     console.print()
     ideal = " (ideal waveform assumed in prescribed motion)" if report.waveform == "ideal" else ""
-    tests = "no energy" if wording.only_sweeps(report) else report.tests
+    tests = "no energy" if report_sentences.only_sweeps(report) else report.tests
     console.print(f"tests: {tests}; waveform: {report.waveform}{ideal}")
     for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
         console.print()
@@ -153,12 +153,12 @@ def print_report(console: Console, report: "Report") -> None:
     for flag in report.flags:
         worst = "" if flag.worst is None else f", at worst {flag.worst:.2f} of the limit"
         console.print(f"warning: {flag.flag} in {counted(len(flag.runs), 'run')}{worst}")
-    console.print(f"verdict: {wording.verdict_line(report).lower()}")
-    *told, _flags = wording.found(report)
+    console.print(f"verdict: {report_sentences.verdict_line(report).lower()}")
+    *told, _flags = report_sentences.found(report)
     for sentence in (
-        *wording.failures(report),
-        wording.headline(report),
+        *report_sentences.failures(report),
+        report_sentences.headline(report),
         *told,
-        *wording.reasons(report),
+        *report_sentences.reasons(report),
     ):
         console.print(f"  {sentence.translate(PLAIN)}")

@@ -17,7 +17,7 @@ from analytic_record import (
 )
 
 from analysis import read_session
-from analysis.results.cause_row import CauseRow, Span
+from analysis.results.session_rows import CauseRow, Span
 
 RIG = {
     "loss_noise": 20.0,

@@ -14,10 +14,10 @@ from scipy.stats import kendalltau
 
 from analysis.comparison.two_sessions import compare, kendall
 from analysis.report.two_sessions import comparison_sentences, write_comparison
-from analysis.results.agreement_row import AgreementRow
-from analysis.results.compared import Comparison
+from analysis.results.comparison_rows import Comparison
 from analysis.results.condition_row import ConditionRow, RunRow, SourceRow
 from analysis.results.report import Report
+from analysis.results.session_rows import AgreementRow
 
 
 def row(name, W, *, bed="layers", fill=0.5, a=3.0, scatter=0.01, common=0.02, runs=4):

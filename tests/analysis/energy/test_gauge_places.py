@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bare_rows import bare
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.energy.gauge_position import at_box
 from analysis.session.exciter import SessionExciter
 from rig.protocol.spec import GaugeSide

@@ -12,7 +12,7 @@ import pytest
 from page_report import demo_report
 
 from analysis import Report, write_report
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.figures.energy import swept
 from analysis.report.html import html_text
 from analysis.report.markdown import markdown_text
@@ -132,21 +132,23 @@ def test_markdown_tables_keep_their_columns(report):
 
 
 def test_first_sentence_and_headline(report):
-    assert wording.tested(report) == (
+    assert report_sentences.tested(report) == (
         "This run checks the measurement chain, not the damper model: the bed layers and the prediction W_T share one "
         "mechanism."
     )
-    assert "ideal waveform is assumed" in wording.waveform(report)
-    assert "synthetic" in wording.waveform(report)
+    assert "ideal waveform is assumed" in report_sentences.waveform(report)
+    assert "synthetic" in report_sentences.waveform(report)
     found = report.agreement
-    assert wording.headline(report).startswith("W_exp exceeds W_T by")
-    percent = float(re.search(r"by ([\d.]+) % ± ([\d.]+) %", wording.headline(report)).group(1))
+    assert report_sentences.headline(report).startswith("W_exp exceeds W_T by")
+    percent = float(
+        re.search(r"by ([\d.]+) % ± ([\d.]+) %", report_sentences.headline(report)).group(1)
+    )
     assert percent == pytest.approx(100 * (found.ratio - 1), abs=100 * found.U_ratio / 10)
     less = replace(report, agreement=replace(found, ratio=0.9))
-    assert "falls short of" in wording.headline(less)
+    assert "falls short of" in report_sentences.headline(less)
     model = replace(report, tests="model", synthetic=False, waveform="measured")
-    assert "tests the damper model" in wording.tested(model)
-    assert wording.waveform(model) == "The signals were measured."
+    assert "tests the damper model" in report_sentences.tested(model)
+    assert report_sentences.waveform(model) == "The signals were measured."
 
 
 @pytest.mark.parametrize(

@@ -12,15 +12,15 @@ from page_report import demo_report
 
 from analysis.comparison.family_of_tests import Reference
 from analysis.comparison.null_tests import NullTest
-from analysis.comparison.pooled_ratio import Fit
+from analysis.comparison.pooled_results import Fit
 from analysis.comparison.verdict import verdict
-from analysis.report import wording
+from analysis.report import report_sentences
 from analysis.report.figures.energy import energy_plots
 from analysis.report.loss_names import loss_name, losses_sentence
 from analysis.report.tables.offset_tables import LOSSES, causes
 from analysis.report.tables.report_tables import conditions
-from analysis.results.cause_row import CauseRow, Growth, Span
 from analysis.results.judged_rows import ClaimRow
+from analysis.results.session_rows import CauseRow, Growth, Span
 from analysis.text import counted
 from analysis.uncertainty.estimate import Estimate
 
@@ -37,8 +37,8 @@ def with_agreement(report, **changes):
 
 def test_nothing_put_in_is_no_percentage(report):
     report = with_agreement(report, put_in=0.0)
-    assert "puts in nothing" in wording.headline(report)
-    assert "0 %" not in wording.headline(report).split(";")[1]
+    assert "puts in nothing" in report_sentences.headline(report)
+    assert "0 %" not in report_sentences.headline(report).split(";")[1]
 
 
 def test_no_slope_where_no_line_fits(report):
@@ -56,15 +56,15 @@ def test_no_slope_where_no_line_fits(report):
         )
         found = with_agreement(report, **stated, line=fit.row())
         assert fit.is_likely == (fit.row().slope is not None) == (chi2 == 10.0)
-        assert any(told in text for text in wording.found(found))
+        assert any(told in text for text in report_sentences.found(found))
 
 
 def test_without_a_prediction_the_energies_are_said(report):
     rows = tuple(replace(row, W_T=None) for row in report.conditions)
     report = replace(with_agreement(report, ratio=None), conditions=rows)
-    assert "nothing is predicted" in wording.tested(report)
-    assert f"mJ per cycle in {len(rows)} conditions" in wording.headline(report)
-    told = wording.headline(replace(report, conditions=rows[:1]))
+    assert "nothing is predicted" in report_sentences.tested(report)
+    assert f"mJ per cycle in {len(rows)} conditions" in report_sentences.headline(report)
+    told = report_sentences.headline(replace(report, conditions=rows[:1]))
     assert f"W_exp in mJ per cycle: {rows[0].id} {1e3 * rows[0].W_exp:.0f}"[:-1] in told
 
 
@@ -75,8 +75,8 @@ def test_counted():
 def test_claims_that_are_not_there_are_not_counted(report):
     claim = ClaimRow("", "", "", "holds", "", (), ())
     both = replace(report, claims=(claim, replace(claim, verdict="undecided")))
-    assert "Of 2 claims 1 holds, 1 is undecided." in wording.found(both)
-    assert "The only claim: holds." in wording.found(replace(report, claims=(claim,)))
+    assert "Of 2 claims 1 holds, 1 is undecided." in report_sentences.found(both)
+    assert "The only claim: holds." in report_sentences.found(replace(report, claims=(claim,)))
 
 
 def test_losses_that_are_switched_off_are_no_causes(report):
@@ -169,12 +169,12 @@ def test_why_nothing_can_be_compared(kind, W, why):
 
 def test_a_hidden_prediction_states_no_offset_and_names_the_losses(report):
     hidden = with_agreement(report, ratio=None, put_in=155.0)
-    assert "so no offset is stated: the losses of the box" in wording.headline(hidden)
-    assert "155 times" in wording.headline(hidden).replace("160", "155")
+    assert "so no offset is stated: the losses of the box" in report_sentences.headline(hidden)
+    assert "155 times" in report_sentences.headline(hidden).replace("160", "155")
     less = with_agreement(report, ratio=None, put_in=0.3)
-    assert wording.headline(less).endswith("so no offset is stated.")
+    assert report_sentences.headline(less).endswith("so no offset is stated.")
     recorded = with_agreement(less, ratio_recorded=13.5, U_ratio_recorded=0.4, put_in_recorded=12.3)
-    assert any("the losses of the box" in text for text in wording.found(recorded))
+    assert any("the losses of the box" in text for text in report_sentences.found(recorded))
 
 
 def test_the_papers_words_explain_no_loss_that_is_larger_than_they_can_be(report):

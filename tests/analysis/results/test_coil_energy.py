@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from analytic_record import Facts
 
-from analysis.energy.energies import Energy
+from analysis.energy.energy_and_phasors import Energy
 from analysis.results.coil_current import PARTS, coil_estimates, coil_force, coil_of
 from analysis.session.exciter import SessionExciter
 from analysis.uncertainty.budget import certificate_lines

@@ -17,7 +17,7 @@ from page_report import demo_report
 
 from analysis import AnalysisError, Report, compare, read_report, write_report
 from analysis.report.json_schema import COMPARED, REPORT, comparison_schema, report_schema
-from analysis.results.compared import Comparison
+from analysis.results.comparison_rows import Comparison
 from daq.documents.shapes import Each, Either, Keys, List, Shape, deviations
 
 DEMO = demo_report()

@@ -11,7 +11,7 @@ import pytest
 from claim_data import result
 from scipy import optimize, stats
 
-from analysis.comparison.pooled_ratio import line_through
+from analysis.comparison.pooled_results import line_through
 from analysis.uncertainty.straight_line import Errors, fitted
 
 PEARSON = (

@@ -12,9 +12,9 @@ import typer
 from bare_rows import bare
 from rich.console import Console
 
-from analysis.results.agreement_row import AgreementRow
 from analysis.results.condition_row import ConditionRow
 from analysis.results.report import Report
+from analysis.results.session_rows import AgreementRow
 from rig.cli.app import app
 from rig.cli.terminal import progress as progress_module
 from rig.cli.terminal.live import ConditionLine, LiveView

@@ -3,22 +3,36 @@
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from analysis.results.agreement_row import LineRow
 from analysis.results.condition import Result
-from analysis.results.predicted_on_record import Recorded
+from analysis.results.recorded_waveform import Recorded
+from analysis.results.session_rows import AgreementRow, ComparisonRow, LineRow
 from analysis.uncertainty.budget import RESOLUTION, SCATTER, combine, own_parts
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.straight_line import Errors, fitted
 
-__all__ = ["Fit", "energy_ratio", "line_through", "propagated", "recorded_ratio"]
+__all__ = [
+    "Fit",
+    "ModelColumns",
+    "agreement_row",
+    "comparisons",
+    "energy_ratio",
+    "line_through",
+    "model_columns",
+    "propagated",
+    "recorded_ratio",
+]
 
 Array = NDArray[np.float64]
+
+INSIDE = (0.025, 0.975)
+SEVEN = 0.07  # the offset that the paper reports
+BOX_LOSSES = ("W_noise", "W_air", "W_gas", "W_mount")  # ledger columns of what is not in the bed
 
 UNLIKELY = 1e-3
 """Probability of a chi^2 below which no straight line is stated."""
@@ -157,3 +171,126 @@ def _pooled(results: Sequence[Result]) -> Array:
         total += apart.T @ apart
         nu += len(pairs) - 1
     return total / nu if nu else total
+
+
+def agreement_row(results: Sequence[Result]) -> AgreementRow:
+    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay
+    common.
+    """
+    comparable = [r for r in results if r.comparable]
+    ratio = energy_ratio(comparable)
+    on_waveform = [
+        (r, r.recorded.W_T) for r in results if r.recorded is not None and r.comparable_recorded
+    ]
+    recorded = recorded_ratio([r for r, _ in on_waveform])
+    predicted = [(r, r.W_T) for r in results if r.W_T is not None and r.W_T.value > 0]
+    slope = line = None
+    if ratio is not None:
+        predicted = [(r, W_T) for r, W_T in predicted if r.comparable]
+        slope, line = line_through(comparable, origin=True), line_through(comparable)
+    known = line or slope  # of two conditions there is only the line through the origin
+    if known is not None and not known.is_likely:
+        slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
+    offsets = (
+        [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
+        if ratio is not None
+        else []
+    )
+    return AgreementRow(
+        ratio=ratio.value if ratio else None,
+        U_ratio=ratio.U if ratio else None,
+        k=ratio.k if ratio else None,
+        nu=ratio.nu if ratio else None,
+        slope=slope.slope.value if slope else None,
+        U_slope=slope.slope.U if slope else None,
+        line=line.row() if line else None,
+        mean_offset=math.fsum(offsets) / len(offsets) if offsets else None,
+        n=len(offsets),
+        put_in=_put_in(predicted),
+        ratio_recorded=recorded.value if recorded else None,
+        U_ratio_recorded=recorded.U if recorded else None,
+        put_in_recorded=_put_in(on_waveform),
+    )
+
+
+def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
+    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None
+    without truth or W_T.
+    """
+    total = math.fsum(W_T.value for _, W_T in predicted)
+    found = [result.ledger_mean(column) for result, _ in predicted for column in BOX_LOSSES]
+    known = [value for value in found if value is not None]
+    return math.fsum(known) / total if known and total > 0 else None
+
+
+@dataclass(frozen=True, slots=True)
+class ModelColumns:
+    """95 % interval of W_T over the model's parameters, J, and E_n with half its width as U_T."""
+
+    W_T_low: float | None = None
+    W_T_high: float | None = None
+    E_n_model: float | None = None
+
+
+def model_columns(result: Result) -> ModelColumns:
+    """What the report says of a condition against W_T as uncertain as what nobody measured makes
+    it.
+    """
+    if result.W_T is None or result.difference is None or not result.model:
+        return ModelColumns()
+    low, high = (result.W_T.value * float(q) for q in np.quantile(result.model, INSIDE))
+    U = math.hypot(result.difference.U, (high - low) / 2)
+    return ModelColumns(low, high, result.difference.value / U if U else None)
+
+
+def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
+    """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was
+    not made or what it cannot tell."""
+    scored = [(result, model_columns(result).E_n_model) for result in results]
+    model = [(result, E) for result, E in scored if E is not None]
+    none = "" if results else "no run states an energy"
+    last = _entry(
+        "model",
+        "W_T with friction, restitution and clearance as uncertain as they are",
+        [E for _, E in model],
+        none or "the record comes from the model itself, or no spread of W_T was given",
+    )
+    return (
+        _entry(
+            "chain",
+            "the rig's own ledger",
+            _scores([r.chain for r in results]),
+            none or "the record holds no truth",
+        ),
+        _entry(
+            "prediction",
+            "W_T as predicted",
+            _scores([r.difference for r in results if r.comparable]),
+            none or "nothing is predicted that stands out of the detection limit",
+        ),
+        replace(last, why=_telling([result for result, _ in model])) if model else last,
+    )
+
+
+def _scores(differences: Sequence[Estimate | None]) -> list[float]:
+    return [d.value / d.U for d in differences if d is not None and d.U]
+
+
+def _entry(name: str, against: str, scores: Sequence[float], why: str) -> ComparisonRow:
+    return ComparisonRow(
+        comparison=name, against=against, n=len(scores), within=sum(abs(E) <= 1 for E in scores),
+        why="" if scores else f"not made: {why}",
+    )  # fmt: skip
+
+
+def _telling(results: Sequence[Result]) -> str:
+    """Which offset the model comparison could tell; a draw of the parameters is the same in all
+    conditions.
+    """
+    W_T = np.array([result.W_T.value for result in results if result.W_T is not None])
+    total = W_T @ np.array([result.model for result in results]) / W_T.sum()
+    low, high = (float(q) - 1 for q in np.quantile(total, INSIDE))
+    text = f"what nobody measured leaves W_T open from {100 * low:+.0f} % to {100 * high:+.0f} % (95 %)"
+    if (high - low) / 2 > SEVEN:
+        return f"{text}: 7 % cannot test this model without measured friction"
+    return text
