@@ -1,1 +1,1 @@
-"""A session against its prediction: agreement, null tests, claims, verdict."""
+"""Comparison of a session with its prediction: agreement, null tests, claims, verdict."""

@@ -1,9 +1,9 @@
-"""What could make W_exp exceed W_T, and what distinguishes the candidates.
+"""Candidate causes of an excess of W_exp over W_T, and the marks that distinguish them.
 
-Each cause has a closed form in acceleration, frequency and mass. Where a run holds the cause, the
-ledger's energies take the form's place; where it does not, the form says what it would do on this
-rig. Growth is the slope of ln(energy) against ln(acceleration, moving mass, fill), fitted within
-conditions that differ in nothing else.
+Each cause has a closed form in acceleration, frequency and mass. Where the stand of the session had
+the cause, the ledger's energies replace the closed form; elsewhere the form says how much energy
+the cause would dissipate on this rig. The growth exponents are slopes of ln(energy) against
+ln(acceleration, moving mass, fill), each fitted within conditions that differ in nothing else.
 """
 
 import math
@@ -33,8 +33,15 @@ SCALES = {"force sensitivity", "acceleration sensitivity", "force gain", "accele
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A box at work. SI; M: box, gauge side and bed, kg; M_eff: apparent mass; W, W_T: J per cycle;
-    n = dlnW_T/dlna.
+    """The operating point of a condition, SI units.
+
+    M : moving mass: box, gauge side and bed, kg
+    M_eff : apparent mass, kg
+    W, W_T : measured and predicted energy, J per cycle
+    n : exponent dlnW_T/dlna
+    kind : bed, material, density and diameter: equal in conditions that differ only in fill and
+        level
+    level : frequency (Hz) and acceleration that was set (m/s^2)
     """
 
     acceleration: float
@@ -50,6 +57,7 @@ class OperatingPoint:
 
     @property
     def omega(self) -> float:
+        """Angular frequency, rad/s."""
         return 2 * math.pi * self.frequency
 
     @property
@@ -63,8 +71,12 @@ Form = Callable[[OperatingPoint], float]
 
 @dataclass(frozen=True)
 class Cause:
-    """A candidate: closed form (J per cycle, None where there is none), ledger column and what has
-    to be listed.
+    """A candidate cause of an excess.
+
+    form : closed form, J per cycle; None where there is none
+    column : the ledger column that holds its energy
+    loss, support : the entries of the protocol that switch it on; "" for a cause that is always
+        there
     """
 
     name: str
@@ -76,15 +88,18 @@ class Cause:
     support: str = ""
 
     def listed(self, setting: Setting) -> bool:
-        """Whether the stand had this cause in a condition."""
+        """Return whether the stand had this cause in a condition."""
         return self.loss in setting.losses and self.support in ("", setting.support)
 
 
 def causes(
     results: Sequence[Result], channels: Mapping[str, ChannelFacts], assumed: Iterable[RigValue]
 ) -> tuple[CauseRow, ...]:
-    """A row per cause, first what is to be explained: W_exp - W_T. Empty without results or without
-    a rig's values. Numbers are None where the run cannot tell."""
+    """Return a row for each cause, after a row for the excess itself, W_exp - W_T.
+
+    Empty without results or where the rig file lacks one of the values NEEDED. Numbers that the
+    session cannot show are None.
+    """
     rig = {
         value.path: value.value
         for value in assumed
@@ -106,8 +121,9 @@ def causes(
     for cause in _candidates({name: float(rig[name]) for name in NEEDED}, channels):
         listed = [result for result in results if cause.listed(result.setting)]
         energies = {name: cause.form(point) for name, point in points.items()} if cause.form else {}
-        seen = {result.setting.id: result.ledger_mean(cause.column) for result in listed}
-        energies |= {name: energy for name, energy in seen.items() if energy is not None}
+        # What the ledger observed takes the place of the closed form.
+        ledger = {result.setting.id: result.ledger_mean(cause.column) for result in listed}
+        energies |= {name: energy for name, energy in ledger.items() if energy is not None}
         in_run = bool(listed) or not cause.loss
         row = _row(cause, results, points, energies, cause.form or (lambda _still: 0.0), in_run)
         over = _over_first_principles(results, cause.loss)
@@ -119,8 +135,10 @@ def causes(
 def _candidates(
     rig: Mapping[str, float], channels: Mapping[str, ChannelFacts]
 ) -> tuple[Cause, ...]:
+    """Return the causes with their closed forms, for the values of a rig file by path."""
     force, acceleration = channels["force"], channels["acceleration"]
 
+    # pi M_eff w^2 X^2 = (pi/w^2) M_eff a^2: J that an angle of 1 rad between the channels adds to W.
     def phase(p: OperatingPoint) -> float:
         return (
             math.pi
@@ -208,6 +226,7 @@ def _candidates(
 
 
 def _point(result: Result) -> OperatingPoint:
+    """Return the operating point of a condition, from means over its runs."""
     s = result.setting
     M = s.box_mass + s.gauge_mass + s.bed_mass
     W_T = result.W_T.value if result.W_T else 0.0
@@ -234,9 +253,14 @@ def _row(
     form: Form | None,
     in_run: bool,
 ) -> CauseRow:
+    """Return the report's row of a cause.
+
+    energies: of the cause by condition, J per cycle; form: closed form for the beds that were not
+    measured; in_run: the stand had the cause, so that `energies` were observed and not computed.
+    """
     known = [(points[name], energy) for name, energy in energies.items()]
-    told = [(point, energy) for point, energy in known if point.W_T > 0]
-    total = math.fsum(point.W_T for point, _ in told)
+    predicted = [(point, energy) for point, energy in known if point.W_T > 0]
+    total = math.fsum(point.W_T for point, _ in predicted)
     empty, empty_from = _left(results, points, energies, form, False)
     locked, locked_from = _left(results, points, energies, form, True)
     if not in_run:
@@ -254,7 +278,7 @@ def _row(
             mass=_slope([(p.M, e, p.level) for p, e in known]),
             fill=_slope([(p.fill, e, (p.kind, p.level)) for p, e in known]),
         ),
-        share=math.fsum(energy for _, energy in told) / total if total else None,
+        share=math.fsum(energy for _, energy in predicted) / total if total else None,
         empty=empty,
         empty_from=empty_from,
         locked=locked,
@@ -271,9 +295,14 @@ def _left(
     form: Form | None,
     bed: bool,
 ) -> tuple[float | None, str | None]:
-    """Energy in the empty box (bed: with a locked bed) over the largest W_T at the same level,
-    summed over the levels; from such conditions of the run where there are any, else by the closed
-    form."""
+    """Return the energy in the empty box (bed: with a locked bed) as a fraction of W_T, and its
+    source.
+
+    Energies are summed over the levels, and so are the largest W_T of each level. They are taken
+    from the session ("run") where it has such conditions, otherwise from the closed form
+    ("computed"). (None, None) where neither is there.
+    """
+    # Of each level the condition with the largest W_T, and the heaviest one without sliding grains.
     fullest: dict[tuple[float, float], Result] = {}
     still: dict[tuple[float, float], str] = {}
     for result in results:
@@ -300,15 +329,17 @@ def _left(
 
 
 def _still(result: Result, points: Mapping[str, OperatingPoint], bed: bool) -> OperatingPoint:
-    """The same box, its grains taken out or bonded to it: nothing but mass."""
+    """Return the operating point of the same box with its grains removed or bonded to it."""
     point = points[result.setting.id]
     M = point.M if bed else point.M - result.setting.bed_mass
     return replace(point, M=M, M_eff=M, W=0.0, W_T=0.0)
 
 
 def _slope(cases: Iterable[tuple[float, float, Any]]) -> float | None:
-    """Common slope of ln y against ln x of (x, y, group), each group with a level of its own; None
-    where x stands.
+    """Return the common slope of ln y against ln x of entries (x, y, group), each group with its
+    own level.
+
+    None where x does not vary within any group.
     """
     groups: dict[Any, list[tuple[float, float]]] = {}
     for x, y, group in cases:
@@ -319,11 +350,16 @@ def _slope(cases: Iterable[tuple[float, float, Any]]) -> float | None:
         middle = [math.fsum(values) / len(pairs) for values in zip(*pairs, strict=True)]
         square += math.fsum((x - middle[0]) ** 2 for x, _ in pairs)
         product += math.fsum((x - middle[0]) * (y - middle[1]) for x, y in pairs)
+    # x that varies by less than 0.1 % gives no slope: (1e-3)^2, of ln x.
     return product / square if square > 1e-6 else None
 
 
 def _over_first_principles(results: Iterable[Result], loss: str) -> Span | None:
-    """Least and largest of a loss's coefficient over its size by first principles."""
+    """Return the least and the largest ratio of a loss's coefficient to its value by first
+    principles.
+
+    None where no condition states it.
+    """
     known = [
         facts
         for facts in (result.setting.over_first_principles for result in results)
@@ -336,13 +372,18 @@ def _over_first_principles(results: Iterable[Result], loss: str) -> Span | None:
 
 
 def _gas_note(listed: Sequence[Result]) -> str:
-    """Where the gas was switched on, and its largest drag over the bed's weight."""
+    """Return where gas drag was switched on, and the range of its largest drag over the bed's
+    weight.
+    """
     found = [facts for facts in (result.setting.gas for result in listed) if facts is not None]
     if not found:
         return "not listed in this run"
-    shares = [100 * float(facts.share_of_weight) for facts in found]
+    percent = [100 * float(facts.share_of_weight) for facts in found]
     on = sum(facts.on for facts in found)
-    state = (
-        "off" if not on else "on" if on == len(found) else f"on in {on} of {len(found)} conditions"
-    )
-    return f"{state}, {min(shares):.2g} % to {max(shares):.2g} % of the bed's weight"
+    if not on:
+        state = "off"
+    elif on == len(found):
+        state = "on"
+    else:
+        state = f"on in {on} of {len(found)} conditions"
+    return f"{state}, {min(percent):.2g} % to {max(percent):.2g} % of the bed's weight"

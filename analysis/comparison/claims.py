@@ -1,7 +1,7 @@
-"""Claims of the protocol judged from the session: findings, which never fail a run.
+"""Claims of the protocol, judged from the session: findings, which never fail a run.
 
-An entry names the cases and the conditions of each (session document `protocol`, key `expect`), so
-that nothing of the protocol's grammar is needed here and a laboratory may write its own.
+Each entry of the session's document `protocol` (key `expect`) lists the cases and their conditions.
+The grammar of protocols is therefore not needed here, and a laboratory may write claims of its own.
 """
 
 from collections import Counter
@@ -15,11 +15,12 @@ from analysis.session.protocol import ClaimCase, ExpectedClaim
 __all__ = ["judge"]
 
 VERDICTS = ("does not hold", "undecided", "holds")
-"""The first of them that a case has is the verdict over all cases."""
+"""Verdicts in order of precedence: the first one that any case has is the verdict over all cases.
+"""
 
 
 def judge(expect: Iterable[ExpectedClaim], results: Mapping[str, Result]) -> tuple[ClaimRow, ...]:
-    """The report's `claims`: one entry for each expected one.
+    """Return the report's `claims`, one row for each expected claim.
 
     results: evaluated conditions by id.
 
@@ -34,6 +35,7 @@ def judge(expect: Iterable[ExpectedClaim], results: Mapping[str, Result]) -> tup
 def _entry(
     entry: ExpectedClaim, results: Mapping[str, Result], scatter: Scatter | None
 ) -> ClaimRow:
+    """Return the row of one claim."""
     question = Question(entry.values, entry.limits, max(1, len(entry.cases)), scatter)
     cases = [(_place(case.at), _case(entry, question, case, results)) for case in entry.cases]
     whole = _whole(cases)
@@ -50,12 +52,14 @@ def _entry(
 
 
 def _row(at: str, finding: Finding) -> CaseRow:
+    """Return the row of one case."""
     return CaseRow(at, finding.found, finding.verdict, finding.why, finding.ties)
 
 
 def _case(
     entry: ExpectedClaim, question: Question, case: ClaimCase, results: Mapping[str, Result]
 ) -> Finding:
+    """Return the finding of one case; undecided where conditions that it needs were not measured."""
     levels = [
         Level(level.value, tuple(results[c] for c in level.conditions if c in results))
         for level in case.levels
@@ -74,7 +78,7 @@ def _case(
 
 
 def _whole(cases: list[tuple[str, Finding]]) -> Finding:
-    """The finding over all cases."""
+    """Return the finding over all cases."""
     if not cases:
         return Finding("", "undecided", "no condition of this session is about it")
     if len(cases) == 1:
@@ -93,15 +97,17 @@ def _whole(cases: list[tuple[str, Finding]]) -> Finding:
 
 
 def _place(at: Mapping[str, str]) -> str:
+    """Return the values that single out a case: "fill 85 %, diameter 4 mm"."""
     return ", ".join(f"{_field(path)} {value}" for path, value in at.items())
 
 
 def _field(path: str) -> str:
+    """Return the last word of a path in a protocol."""
     return path.rpartition(".")[2]
 
 
 def _test(entry: ExpectedClaim) -> str:
-    """What is tested, in words."""
+    """Return the test of a claim in words."""
     kind, field, values = entry.kind, _field(entry.about), entry.values
     limits = [f"{limit:g}" for limit in entry.limits]
     per = f", per {field}" if field else ""

@@ -1,11 +1,12 @@
-"""One session is one family of tests: a healthy rig fails any of them, together, in at most 5 % of
-the sessions.
+"""Control of the family-wise error of a session: a healthy rig fails its tests in at most 5 % of
+sessions.
 
-Each test alone would be wrong in 5 %, some nearly always together, because all see one draw of the
-same sensors. So the critical value is that of the largest of them all: tests are normal scores that
-share what the instruments share, and the share of joint draws in which the largest exceeds it is 5
-%. What is not known to be shared counts as apart: among two-sided tests that makes the critical
-value larger, never smaller (Sidak, J. Am. Stat. Assoc. 62, 626 (1967)).
+Each test alone would be wrong in 5 %; some fail nearly always together, because all rest on one
+draw of the same sensors. So the critical value is that of the largest score of them all. The tests
+are modelled as normal scores, correlated through the instruments that they have in common, and 5 %
+of the joint draws exceed the critical value. An error that is not known to be common counts as
+independent: among two-sided tests that makes the critical value larger, never smaller (Sidak, J.
+Am. Stat. Assoc. 62, 626 (1967)).
 """
 
 import math
@@ -35,17 +36,22 @@ __all__ = [
 
 LEVEL = 0.95
 ALONE = coverage_factor(math.inf, LEVEL)  # critical score of a single test
-CHAIN_SHARE = 0.9  # share of the conditions that must agree with the rig's own ledger
+CHAIN_SHARE = 0.9  # fraction of the conditions that must agree with the rig's own ledger
 FAILS = "does not hold"
-DRAWS = 10_000  # the probability at the critical score is good to 0.2 % (one sigma)
+DRAWS = 10_000  # joint draws: the 5 % at the critical score are good to 0.2 % (one sigma)
 SEED = 1
-TOGETHER = 64  # tests whose loads meet the draws in one product
+TOGETHER = 64  # tests in one matrix product, so that memory does not grow with their number
 
 
 @dataclass(frozen=True, slots=True)
 class Zero:
-    """What must be zero; one_sided: what must not be negative. shared: its standard uncertainties
-    from inputs that other tests share, signed, by the input's name, in the unit of `found`."""
+    """A quantity that must be zero.
+
+    found : its estimate
+    shared : standard uncertainties from inputs that other tests have in common, signed, by the
+        input's name, in the unit of `found`
+    one_sided : the quantity must only not be negative
+    """
 
     found: Estimate
     shared: Mapping[str, float]
@@ -53,7 +59,7 @@ class Zero:
 
     @property
     def score(self) -> float:
-        """The normal deviate as rare as this value: comparable whatever the degrees of freedom."""
+        """Normal deviate with the same p as this value: comparable whatever the degrees of freedom."""
         from scipy.special import ndtri
 
         score = -float(ndtri(self.found.p() / 2))
@@ -63,8 +69,11 @@ class Zero:
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A reference: "rigid mass" (kg), "dashpot" (J per cycle, mean over the levels), "phase" (rad)
-    or "signs" (nothing measured). verdict: holds within U, undecided beyond, until the family of
-    all tests says that it does not hold (judged); tested: what it puts into that family."""
+    or "signs" (nothing measured).
+
+    verdict : holds within U, undecided beyond it, until `judged` compares it with the whole family
+    tested : the quantities that it adds to the family of tests
+    """
 
     reference: str
     of: str
@@ -77,7 +86,9 @@ class Reference:
     tested: tuple[Zero, ...] = ()
 
     def judged(self, limit: float) -> "Reference":
-        """The same, that does not hold where a score is beyond the family's critical one."""
+        """Return the reference with the verdict "does not hold" where a score exceeds the critical
+        one, `limit`.
+        """
         return (
             replace(self, verdict=FAILS)
             if any(test.score > limit for test in self.tested)
@@ -85,7 +96,7 @@ class Reference:
         )
 
     def row(self) -> ReferenceRow:
-        """The report's entry."""
+        """Return the report's entry."""
         return ReferenceRow(
             self.reference,
             self.of,
@@ -99,26 +110,34 @@ class Reference:
 
 
 def common(lines: Iterable[Line]) -> dict[str, float]:
-    """Of a budget's lines what all conditions share: contribution to W_exp (J) by source."""
+    """Return the contributions to W_exp (J) of those budget lines that all conditions have in
+    common, by source.
+    """
     return {line.source: line.part for line in lines if line.shared}
 
 
 def chain_tests(results: Sequence[Result]) -> tuple[Zero, ...]:
-    """W_exp against the rig's own ledger, of every condition that has one."""
+    """Return the tests of W_exp against the rig's own ledger, one for each condition that has a
+    ledger.
+    """
     return tuple(Zero(r.chain, common(r.lines)) for r in results if r.chain is not None)
 
 
 def sign_tests(results: Sequence[Result]) -> tuple[Zero, ...]:
-    """The dissipated energy of every condition is not negative."""
+    """Return the tests that the dissipated energy of every condition is not negative."""
     return tuple(Zero(r.W_exp, common(r.lines), one_sided=True) for r in results)
 
 
 def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
-    """Score that all tests of a healthy rig stay within in 95 % of the sessions, and CHAIN_SHARE of
-    the chain's do.
+    """Return the score that a healthy rig exceeds in 5 % of sessions.
+
+    It exceeds it where any of `tests` does, or where fewer than CHAIN_SHARE of the tests `chain`
+    stay within it. At least ALONE, the critical score of a single test.
     """
     rng = np.random.default_rng(SEED)
     names = sorted({name for test in (*tests, *chain) for name in test.shared})
+    # A score is the sum of its loads on the common inputs and of a remainder of its own; its variance
+    # is 1.
     inputs = np.ascontiguousarray(rng.standard_normal((DRAWS, len(names))).T)
 
     def drawn(family: Sequence[Zero]) -> Iterator[NDArray[np.float64]]:
@@ -138,11 +157,13 @@ def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
         scores = np.empty((len(chain), DRAWS), np.float32)
         for row, score in zip(scores, drawn(chain), strict=True):
             row[:] = score
+        # The chain fails when more than `may_miss` of its scores exceed the bound: that is the score
+        # of rank may_miss + 1 from above, in each draw.
         may_miss = len(chain) - needed(len(chain))
         np.maximum(most, np.partition(scores, -1 - may_miss, axis=0)[-1 - may_miss], out=most)
     return max(ALONE, float(np.quantile(most, LEVEL))) if tests or chain else ALONE
 
 
 def needed(count: int) -> int:
-    """Of so many conditions those that must agree with the ledger."""
+    """Return how many of `count` conditions must agree with the ledger."""
     return math.ceil(CHAIN_SHARE * count - 1e-9)

@@ -1,9 +1,9 @@
-"""The loop-back null: both inputs have seen one voltage, so that what differs between them is the
-analyzer's own.
+"""The loop-back null test: one voltage at both inputs, so that any difference is the analyzer's
+own.
 
-The certified couplings and skews are undone as everywhere. What is left must lie within their
-tolerances: an angle, of which W takes (pi/w^2) M_eff a^2 per radian, and a ratio of gains. Sensors
-and their poles are not in it.
+The certified couplings and skews are corrected as in every run. The remaining differences must lie
+within their tolerances: an angle, which changes W by (pi/w^2) M_eff a^2 per radian, and a ratio of
+gains. The sensors and their poles have no part in it.
 """
 
 import cmath
@@ -43,9 +43,12 @@ UNUSABLE = int(
 
 @dataclass(frozen=True, slots=True)
 class LoopBack:
-    """One run: lead of the acceleration's input over the force's, rad; force's gain over the
-    acceleration's less 1; u: standard deviation of either (rad, relative) from the noise, the
-    sensors' counted in."""
+    """The result of one loop-back run.
+
+    angle : lead of the acceleration's input over the force's, rad
+    gain : ratio of the force's gain to the acceleration's, less 1
+    u : standard deviation of either (rad, relative) from the noise, the sensors' included
+    """
 
     run: str
     frequency: float
@@ -55,8 +58,9 @@ class LoopBack:
 
 
 def loop_back(record: RecordedSession, run: RunFacts, window: Window, frequency: float) -> LoopBack:
-    """What a run of the loop-back tells. AnalysisError for one with missing or clipped samples, or
-    without signal.
+    """Return the angle and the gain between the inputs in a loop-back run.
+
+    AnalysisError for a run with missing or clipped samples, or without signal.
     """
     volts, noise = [], 0.0
     channels = [record.channels[name] for name in ("force", "acceleration")]
@@ -80,12 +84,13 @@ def loop_back(record: RecordedSession, run: RunFacts, window: Window, frequency:
         volts.append(total)
         noise += (channel.noise_rms * channel.sensitivity / abs(total)) ** 2
     ratio = volts[0] / volts[1]
+    # Each quadrature of a phasor over N samples has the variance 2/N of white noise.
     u = math.sqrt(2 / round(window.cycles * window.grid.period) * noise)
     return LoopBack(run.name, frequency, -cmath.phase(ratio), abs(ratio) - 1, u)
 
 
 def _undone(channel: ChannelFacts, rate: float, frequency: float) -> complex:
-    """What undoes a channel's certified delay and coupling at a frequency (Hz)."""
+    """Return the factor that corrects a channel's certified delay and coupling at a frequency (Hz)."""
     turn = cmath.exp(2j * math.pi * frequency * (channel.filter_delay / rate - channel.skew))
     return turn * (1 - 1j * channel.corner / frequency)
 
@@ -93,7 +98,7 @@ def _undone(channel: ChannelFacts, rate: float, frequency: float) -> complex:
 def loop_back_nulls(
     found: Sequence[LoopBack], channels: Mapping[str, ChannelFacts]
 ) -> tuple[NullTest, ...]:
-    """A null test for each frequency of the loop-backs."""
+    """Return a null test for each frequency of the loop-back runs."""
     force, acceleration = channels["force"], channels["acceleration"]
     grouped: dict[float, list[LoopBack]] = defaultdict(list)
     for one in found:
@@ -122,8 +127,9 @@ def loop_back_nulls(
 
 
 def _mean(values: Sequence[float], ones: Sequence[LoopBack], resolution: float) -> Estimate:
-    """Mean of the runs, with what it was measured to: their scatter, or the noise of a single one;
-    the arithmetic.
+    """Return the mean of the runs with the uncertainty of its measurement.
+
+    That is their scatter, or for a single run its noise, and the resolution of the arithmetic.
     """
     parts = [(line.part, line.nu) for line in scatter_line(values)] or [(ones[0].u, math.inf)]
     return combine(math.fsum(values) / len(values), [*parts, (resolution, math.inf)])

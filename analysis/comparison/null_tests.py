@@ -1,13 +1,13 @@
 """Null tests as angles: a bed that cannot slide must look like mass, whatever the box's own losses
 are.
 
-A phase error dphi between the channels adds (pi/w^2) M a^2 dphi to W, M the mass that moves; what
-rubs under that mass adds to it as M times the way. The box's own losses do not know M: they follow
-its way (rubbing), the mean of v^2 (viscous) and of |v|^3 (quadratic). So all runs with the bed and
-of the empty box are one straight-line problem, each run with the motion and the mass that it
-measured itself: fillings differ by 1 % in mass, and the harmonics of the drive change what the box
-loses by more than the noise does. At least three levels of both are needed: two would be fitted
-exactly.
+A phase error dphi between the channels adds (pi/w^2) M a^2 dphi to W, M the moving mass; friction
+under that mass adds a term in M times the path length. The box's own losses do not depend on M:
+rubbing is proportional to the path, viscous loss to the mean of v^2, quadratic loss to that of
+|v|^3. So all runs with the bed and of the empty box form one linear regression, each run with the
+motion and the mass that it measured itself: fillings differ by 1 % in mass, and the harmonics of
+the drive change the losses of the box by more than the noise. At least three levels of both are
+needed: two would be fitted exactly.
 """
 
 import math
@@ -35,18 +35,27 @@ from analysis.uncertainty.partly_known_scatter import coefficient
 
 __all__ = ["NullTest", "null_tests"]
 
-LEVELS = 3
+LEVELS = 3  # fewest of the bed and of the empty box
 THROUGH_STINGER = "the acceleration is read at the stinger's other end: what the stinger loses looks like an angle"
 POINTS = 4096  # of a cycle: a turning point between two is missed by at most (pi/4096)^2/2 = 3e-7 of the amplitude
-SHARES = 0.0, 0.5, 0.9, 1.0  # of a scatter that grows as W, the rest as the level
+MIXTURES = (
+    0.0,
+    0.5,
+    0.9,
+    1.0,
+)  # fraction of the further variance that grows with W^2, the rest with a^2
 
 
 @dataclass(frozen=True, slots=True)
 class NullTest:
-    """A null test: "locked" or "carried" bed, or "loop-back" (analysis.comparison.loop_back);
-    levels: of the drive, of a loop-back its runs; dphi in rad, None without a fit; gain: of a
-    loop-back, relative. verdict: holds within U, undecided beyond, until the family of all tests
-    says that it does not hold (judged); tested: what it puts into that family."""
+    """A null test: "locked" or "carried" bed, or "loop-back" (analysis.comparison.loop_back).
+
+    levels : number of drive levels; of a loop-back, number of runs
+    dphi : angle, rad; None without a fit
+    gain : of a loop-back, relative
+    verdict : holds within U, undecided beyond it, until `judged` compares it with the whole family
+    tested : the quantities that it adds to the family of tests
+    """
 
     null: str
     bed_mass: float
@@ -59,7 +68,9 @@ class NullTest:
     tested: tuple[Zero, ...] = ()
 
     def judged(self, limit: float) -> "NullTest":
-        """The same, that does not hold where a score is beyond the family's critical one."""
+        """Return the null test with the verdict "does not hold" where a score exceeds the critical
+        one, `limit`.
+        """
         return (
             replace(self, verdict=FAILS)
             if any(test.score > limit for test in self.tested)
@@ -67,7 +78,7 @@ class NullTest:
         )
 
     def row(self) -> NullRow:
-        """The report's entry."""
+        """Return the report's entry."""
         return NullRow(
             null=self.null,
             bed_mass=self.bed_mass,
@@ -89,12 +100,13 @@ def null_tests(
     runs: Mapping[str, Sequence[RunEnergy]],
     channels: Mapping[str, ChannelFacts],
 ) -> tuple[NullTest, ...]:
-    """All null tests that the conditions allow: one per bed that cannot slide, bed mass, frequency
-    and place of the instruments.
+    """Return all null tests that the conditions allow.
 
-    settings, runs: by condition. Empty where no condition has a bed that cannot slide. Read through
-    the stinger, none is decided: it loses in proportion to the square of the force, which grows
-    with the mass as an angle does.
+    There is one for each bed that cannot slide, bed mass, frequency and position of the
+    instruments. settings, runs: by condition. Empty where no condition has a bed that cannot slide.
+    None is decided where the acceleration is read through the stinger: the loss of a stinger is
+    proportional to the square of the force, which grows with the mass as the effect of an angle
+    does.
     """
     empty: dict[tuple[Any, ...], list[RunEnergy]] = defaultdict(list)
     bonded: dict[tuple[Any, ...], list[str]] = defaultdict(list)
@@ -122,6 +134,9 @@ def _test(
     empty: list[RunEnergy],
     channels: Mapping[str, ChannelFacts],
 ) -> NullTest:
+    """Return one null test; undecided where there are fewer than LEVELS levels of the bed or of the
+    empty box.
+    """
     found = min(len(levels), len({run.condition for run in empty}))
     if found < LEVELS:
         measured = f"only {found} level{'s' * (found > 1)} with this bed and with the empty box"
@@ -149,42 +164,44 @@ def _test(
 
 
 def _angle(runs: list[RunEnergy]) -> Estimate:
-    """dphi (rad) in W = dphi (pi/w^2) M a^2 + f M way + r way + p int v^2 dt + q int |v|^3 dt of
-    all runs.
+    """Return dphi (rad) of all runs, fitted with the coefficients of friction and of the box's
+    losses.
 
-    Their scatter is the instruments' noise, and what else there is may grow as the level, as W, or
-    between the two.
+    W = dphi (pi/w^2) M a^2 + f M path + r path + p int v^2 dt + q int |v|^3 dt. The runs scatter by
+    the instruments' noise and by a further variance, which may grow with the level, with W, or in
+    between.
     """
     energies = [run.energy for run in runs]
     W, a, M, reactive = (
         np.array([getattr(energy, name) for energy in energies])
         for name in ("W", "level", "M_eff", "reactive")
     )
-    way, square, cube = np.array([_motion(energy) for energy in energies]).T
+    path, square, cube = np.array([_motion(energy) for energy in energies]).T
     noise = np.array([run.u_noise for run in runs])
     even, proportional = a**2 / np.mean(a**2), W**2 / np.mean(W**2)
     return coefficient(
-        np.stack([reactive, M * way, way, square, cube], axis=1),
+        np.stack([reactive, M * path, path, square, cube], axis=1),
         W,
         noise**2 + (ANGLE_RESOLUTION * reactive) ** 2,
-        [(1 - share) * even + share * proportional for share in SHARES],
+        [(1 - mixed) * even + mixed * proportional for mixed in MIXTURES],
         0,
     )
 
 
 def _motion(energy: Energy) -> tuple[float, float, float]:
-    """Way of the box in a cycle (m), and the integrals of v^2 (m^2/s) and |v|^3 (m^3/s^2) over it,
-    from the harmonics that were measured."""
+    """Return the path of the box in a cycle (m) and the integrals of v^2 (m^2/s) and |v|^3
+    (m^3/s^2) over it, from the measured harmonics.
+    """
     most = min(energy.acceleration.size, POINTS // 2 - 1)
     omega = 2j * math.pi * energy.frequency * np.arange(1, most + 1)
     lines = np.zeros((2, POINTS // 2 + 1), dtype=complex)
     lines[0, 1 : most + 1] = energy.acceleration[:most] / omega**2
     lines[1, 1 : most + 1] = energy.acceleration[:most] / omega
     position, velocity = np.fft.irfft(lines * (POINTS / 2), POINTS)
-    way = np.abs(np.diff(position, append=position[0])).sum()
+    path = np.abs(np.diff(position, append=position[0])).sum()
     speed = np.abs(velocity)
     return (
-        float(way),
+        float(path),
         float((speed**2).mean() / energy.frequency),
         float((speed**3).mean() / energy.frequency),
     )

@@ -1,17 +1,19 @@
-"""Where an offset comes from: W_exp - W_T of a simulated session, term by term, as fractions of
-W_T.
+"""The terms of an offset: W_exp - W_T of a simulated session, split by origin, as fractions of W_T.
 
-W_exp is taken apart along its way. The bed takes E_bed, the box's losses take noise, air, gas and
-mount: their sum E is what the gauge should read. The instruments make g (E cos d - R sin d) of it,
-R = (pi/w^2) M_eff a^2: g is the product of the true scales (1 + s_F)(1 + s_a) of force and
-acceleration and of the clock's (1 + e)^2, d the angle that the correction by certified poles
-leaves. W_T in turn is read at the measured acceleration, (1 + s_a) times the true one:
+W_exp is followed from the bed to the reading. The bed dissipates E_bed, the box's losses noise,
+air, gas and mount: their sum E is what an ideal gauge would read. The instruments turn it into g (E
+cos d - R sin d), R = (pi/w^2) M_eff a^2. g is the product of the true scales (1 + s_F)(1 + s_a) of
+force and acceleration and of the clock's (1 + e)^2; d is the angle that the correction with
+certified poles leaves. W_T in turn is read at the measured acceleration, (1 + s_a) times the true
+one:
 
-    waveform + refill = E_bed - W_T(true a)         scale = (g - 1) E - (W_T(measured a) - W_T(true
-    a)) phase = g (E (cos d - 1) - R sin d)             remainder = W_exp - g (E cos d - R sin d)
+    waveform + refill = E_bed - W_T(true a)
+    scale = (g - 1) E - (W_T(measured a) - W_T(true a))
+    phase = g (E (cos d - 1) - R sin d)
+    remainder = W_exp - g (E cos d - R sin d)
 
-They add up to W_exp - W_T by construction; the remainder is what was not accounted for, and is
-tested.
+They add up to W_exp - W_T by construction. The remainder is whatever none of the terms explains;
+its size is tested.
 """
 
 import cmath
@@ -32,23 +34,23 @@ from analysis.uncertainty.budget import resolution_lines
 
 __all__ = ["LARGEST_REMAINDER", "Actual", "actual_of", "allowed_remainder", "offset_terms"]
 
-LARGEST_REMAINDER = 2e-3  # of W_T, in conditions that stand out of the detection limit
+LARGEST_REMAINDER = 2e-3  # of W_T, in conditions above the detection limit
 BOX = {"noise": "W_noise", "air": "W_air", "gas": "W_gas", "mount": "W_mount"}
 IN_BED = tuple(name for name in DISSIPATED if name not in BOX.values())
 
 
 @dataclass(frozen=True)
 class Actual:
-    """What only a simulated session knows of its instruments: their states, and the clock's
-    relative error.
+    """The true states of the instruments and the relative error of the clock: known in simulated
+    sessions only.
     """
 
     states: TrueInstruments
     clock: float
 
     def response(self, channel: ChannelFacts, omega: float) -> complex:
-        """Corrected reading over true value at omega (rad/s): true scale, angle left by the
-        certified pole.
+        """Return the ratio of corrected reading to true value at omega (rad/s), complex: the true
+        scale, and the angle that the certified pole leaves.
         """
         state: TrueState = getattr(self.states, channel.name)
         scale = state.sensitivity * state.gain / channel.sensitivity
@@ -59,7 +61,9 @@ class Actual:
 
 
 def actual_of(truth: Truth | None) -> Actual | None:
-    """The actual instruments of a session; None without truth or where it does not say."""
+    """Return the true instruments of a session; None without truth, or where the truth does not
+    state them.
+    """
     if truth is None:
         return None
     states, clock = (
@@ -75,12 +79,11 @@ def offset_terms(
     channels: Mapping[str, ChannelFacts],
     actual: Actual | None,
 ) -> OffsetTerms | None:
-    """The terms of a condition as fractions of W_T, adding up to its offset; None without truth or
-    without an offset.
+    """Return the terms of a condition as fractions of W_T, adding up to its offset.
 
-    entry: of the prediction document. Without an ablation in the ledger the waveform's effect on
-    the bed beyond its level stays inside `refill`. `refill` also holds the prediction's numerics
-    and what had not settled.
+    None without truth or without an offset. entry: of the prediction document. `refill` also
+    contains the prediction's numerical error and incomplete settling; without an ablation in the
+    ledger, the effect of the waveform on the bed beyond its level is in `refill` too.
     """
     if actual is None or entry is None or result.W_T is None or not result.comparable:
         return None
@@ -96,9 +99,11 @@ def offset_terms(
 
 
 def allowed_remainder(result: Result) -> float | None:
-    """Largest remainder of a condition, as a fraction of W_T, that leaves nothing to explain:
-    `LARGEST_REMAINDER`, or where W_T is small the instruments' noise and the arithmetic (k = 2).
-    None without W_T."""
+    """Return the largest remainder of a condition that needs no explanation, as a fraction of W_T.
+
+    It is LARGEST_REMAINDER, or, where W_T is small, the instruments' noise and the arithmetic (k =
+    2). None without W_T.
+    """
     if result.W_T is None or not result.W_T.value > 0:
         return None
     n = len(result.runs)
@@ -112,7 +117,7 @@ def allowed_remainder(result: Result) -> float | None:
 def _of_run(
     run: RunEnergy, curve: Curve, channels: Mapping[str, ChannelFacts], actual: Actual
 ) -> OffsetTerms | None:
-    """The terms of one run, J per cycle; None without its ledger."""
+    """Return the terms of one run, J per cycle; None without its ledger."""
     if run.ledger is None:
         return None
     energy, ledger = run.energy, run.ledger
@@ -125,28 +130,32 @@ def _of_run(
     box = {name: ledger.get(column, 0.0) for name, column in BOX.items()}
     bed = math.fsum(ledger.get(name, 0.0) for name in IN_BED)
     lost = bed + math.fsum(box.values())
+    # The true R: the reading (W, R) is the true pair (lost, R) turned by `turn` and scaled by `gain`.
     reactive = (energy.reactive * math.cos(turn) - energy.W * math.sin(turn)) / gain
-    seen = gain * (lost * math.cos(turn) - reactive * math.sin(turn))
+    expected = gain * (lost * math.cos(turn) - reactive * math.sin(turn))
     true, measured = curve(energy.level / abs(acceleration)), curve(energy.level)
     exact = _exact(run, bed, measured)
     return OffsetTerms(
         **box,
         waveform=bed - exact,
-        phase=seen - gain * lost,
+        phase=expected - gain * lost,
         scale=(gain - 1) * lost - (measured - true),
         refill=exact - true,
-        remainder=energy.W - seen,
+        remainder=energy.W - expected,
     )
 
 
 def _tau(corner: float | None) -> float | None:
-    """Time constant in s of a corner in Hz; None for none."""
+    """Return the time constant in s of a corner frequency in Hz; None for none."""
     return 1 / (2 * math.pi * corner) if corner else None
 
 
 def _exact(run: RunEnergy, bed: float, measured: float) -> float:
-    """What the bed would have taken on a sine, J per cycle: from an ablation, or its own energy
-    less what the recorded waveform adds to the nominal bed's; with neither, its own energy."""
+    """Return the energy that the bed would have dissipated on a sine, J per cycle.
+
+    From an ablation; without one, the bed's own energy less the change that the recorded waveform
+    makes in the nominal bed; without either, the bed's own energy.
+    """
     ablated = (run.ledger or {}).get(EXACT, math.nan)
     if math.isfinite(ablated):
         return ablated
@@ -154,6 +163,7 @@ def _exact(run: RunEnergy, bed: float, measured: float) -> float:
 
 
 def _high_pass(omega: float, time_constant: float | None) -> complex:
+    """Return the response of a one-pole high pass at omega (rad/s); 1 without a time constant."""
     return (
         1.0
         if time_constant is None

@@ -1,4 +1,13 @@
-"""Numbers taken over several conditions: errors that are common to all of them stay common."""
+"""Results pooled over the conditions of a session: ratio of energies, lines, mean offset, three
+comparisons.
+
+Errors that conditions have in common are propagated as fully correlated.
+
+The three comparisons answer different questions and are never mixed. chain: W_exp against the
+simulation's own ledger tests the instruments and the analysis. prediction: against W_T as the model
+gives it, with the uncertainty of level and numerics. model: against W_T with the uncertainty of the
+model's unmeasured parameters; made only where the record does not come from the model itself.
+"""
 
 import math
 from collections import defaultdict
@@ -30,18 +39,21 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-INSIDE = (0.025, 0.975)
-SEVEN = 0.07  # the offset that the paper reports
+INSIDE = (0.025, 0.975)  # quantiles of a 95 % interval
+SEVEN = 0.07  # offset of W_exp from W_T that the paper reports
 BOX_LOSSES = ("W_noise", "W_air", "W_gas", "W_mount")  # ledger columns of what is not in the bed
 
 UNLIKELY = 1e-3
-"""Probability of a chi^2 below which no straight line is stated."""
+"""Probability of a larger chi^2 below which no straight line is stated."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """Straight line through W_exp against W_T. slope: 1; intercept: J per cycle; chi2 of dof
-    degrees of freedom.
+    """A straight line through W_exp against W_T.
+
+    slope : dimensionless
+    intercept : J per cycle
+    chi2, dof : chi^2 of the residuals and its degrees of freedom
     """
 
     slope: Estimate
@@ -57,8 +69,9 @@ class Fit:
         return self.dof == 0 or float(chdtrc(self.dof, self.chi2)) >= UNLIKELY
 
     def row(self) -> LineRow:
-        """Return the report's entry; where no line is likely, chi^2 alone: its numbers would state
-        a U they lack.
+        """Return the report's entry; where no line is likely, chi^2 alone.
+
+        The uncertainty of such a line would be too small.
         """
         if not self.is_likely:
             return LineRow(None, None, None, None, self.chi2, self.dof)
@@ -67,31 +80,33 @@ class Fit:
 
 
 def energy_ratio(results: Sequence[Result]) -> Estimate | None:
-    """Sum of W_exp over sum of W_T of the conditions with a W_T above 0; None where there is none."""
-    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
-    if not told:
+    """Return sum W_exp / sum W_T over the conditions with W_T above 0; None where there is none."""
+    predicted = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
+    if not predicted:
         return None
-    total = math.fsum(w for _, w in told)
-    ratio = math.fsum(r.W_exp.value for r, _ in told) / total
-    return propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in told])
+    total = math.fsum(w for _, w in predicted)
+    ratio = math.fsum(r.W_exp.value for r, _ in predicted) / total
+    return propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in predicted])
 
 
 def recorded_ratio(results: Sequence[Result]) -> Estimate | None:
-    """As energy_ratio, with the predictions on the recorded waveforms; None where there are none."""
-    told = [(r, r.recorded) for r in results if r.recorded is not None and r.recorded.W_T.value > 0]
-    if not told:
+    """Return the same ratio with W_T predicted on the recorded waveforms; None where there is none."""
+    predicted = [(r, r.recorded) for r in results if r.recorded is not None]
+    predicted = [(r, found) for r, found in predicted if found.W_T.value > 0]
+    if not predicted:
         return None
-    total = math.fsum(found.W_T.value for _, found in told)
-    ratio = math.fsum(r.W_exp.value for r, _ in told) / total
-    return propagated(ratio, [(found, 1 / total, -ratio / total) for _, found in told])
+    total = math.fsum(found.W_T.value for _, found in predicted)
+    ratio = math.fsum(r.W_exp.value for r, _ in predicted) / total
+    return propagated(ratio, [(found, 1 / total, -ratio / total) for _, found in predicted])
 
 
 def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, float]]) -> Estimate:
-    """Uncertainty of a number with derivatives (to W_exp, to W_T) for each condition.
+    """Return a number with the uncertainty that follows from its derivatives to W_exp and W_T of
+    each condition.
 
-    Lines of a source that is shared between conditions add with their signs; the others add in
-    quadrature, and so does the scatter between a condition's runs, of the very combination that is
-    asked for.
+    weights: (condition, derivative to W_exp, derivative to W_T). Budget lines that conditions have
+    in common add with their signs; the others add in quadrature. The scatter between a condition's
+    runs is that of the weighted combination, run by run.
     """
     shared: dict[str, float] = defaultdict(float)
     nu: dict[str, float] = {}
@@ -105,31 +120,29 @@ def propagated(value: float, weights: Sequence[tuple[Result | Recorded, float, f
 
 
 def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
-    """Line through W_exp against W_T of conditions, errors in both, common calibration kept common;
-    through the origin where asked for. None for fewer than two conditions (and a point more than
-    parameters), or one W_T in all of them.
+    """Return the line through W_exp against W_T of the conditions, with errors in both.
 
-    The covariance weighs the points; the uncertainty is that of the budget, propagated through the
-    fit. Scatter is pooled over the conditions as a relative one: a weight from four runs of its own
-    would be noise. Parts of W_exp are taken at the ratio of the energies and not at each W_exp,
-    which would give points that came out low more weight and pull the slope down (Peelle's puzzle;
-    D'Agostini, Nucl. Instrum. Methods A 346, 306 (1994)).
+    origin: force the line through the origin. None for fewer than three conditions (two through the
+    origin), or where W_T is the same in all.
+
+    The points are weighted with their covariance; the uncertainty is that of the budget, propagated
+    through the fit. The scatter is pooled over the conditions as a relative one: four runs are too
+    few for a weight of their own. Relative errors of W_exp are taken of the fitted energy and not
+    of each W_exp: otherwise points that came out low get more weight, which pulls the slope down
+    (Peelle's puzzle; D'Agostini, Nucl. Instrum. Methods A 346, 306 (1994)).
     """
-    told = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
-    if len(told) < (2 if origin else 3):
+    predicted = [(r, r.W_T.value) for r in results if r.W_T is not None and r.W_T.value > 0]
+    if len(predicted) < (2 if origin else 3):
         return None
-    x, y = np.array([w for _, w in told]), np.array([r.W_exp.value for r, _ in told])
+    x, y = np.array([w for _, w in predicted]), np.array([r.W_exp.value for r, _ in predicted])
     if np.ptp(x) <= RESOLUTION * x.max():
         return None
     try:
-        found = fitted(x, y, _errors([r for r, _ in told], x, y), origin)
-    except (
-        ValueError,
-        ArithmeticError,
-        np.linalg.LinAlgError,
-    ):  # points so far from a line that the search runs away
+        found = fitted(x, y, _errors([r for r, _ in predicted], x, y), origin)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        # The points lie so far from a line that the iteration diverges.
         return None
-    rows = list(zip((r for r, _ in told), found.to_y, found.offset_to_y, strict=True))
+    rows = list(zip((r for r, _ in predicted), found.to_y, found.offset_to_y, strict=True))
     return Fit(
         propagated(found.slope, [(r, float(d), -found.slope * float(d)) for r, d, _ in rows]),
         propagated(found.intercept, [(r, float(d), -found.slope * float(d)) for r, _, d in rows]),
@@ -139,7 +152,7 @@ def line_through(results: Sequence[Result], origin: bool = False) -> Fit | None:
 
 
 def _errors(results: Sequence[Result], x: Array, y: Array) -> Errors:
-    """Errors of the W_T (x) and of the W_exp (y); J."""
+    """Return the errors of W_T (x) and W_exp (y), J, with their common sources."""
     expected = y.sum() / x.sum() * x
     relative = _pooled(results)
     runs = np.array([len(result.runs) for result in results])
@@ -161,8 +174,10 @@ def _errors(results: Sequence[Result], x: Array, y: Array) -> Errors:
 
 
 def _pooled(results: Sequence[Result]) -> Array:
-    """Covariance of a run's (W_T, W_exp), relative to their means, pooled over conditions; zeros
-    for single runs.
+    """Return the covariance of a run's (W_T, W_exp), (2, 2), relative to their means, pooled over
+    conditions.
+
+    Zeros where every condition has a single run.
     """
     total, nu = np.zeros((2, 2)), 0
     for result in results:
@@ -174,8 +189,8 @@ def _pooled(results: Sequence[Result]) -> Array:
 
 
 def agreement_row(results: Sequence[Result]) -> AgreementRow:
-    """Energy-weighted ratio, lines through W_exp against W_T, mean offset; common errors stay
-    common.
+    """Return the report's `agreement`: energy-weighted ratio, lines through W_exp against W_T, mean
+    offset.
     """
     comparable = [r for r in results if r.comparable]
     ratio = energy_ratio(comparable)
@@ -188,9 +203,10 @@ def agreement_row(results: Sequence[Result]) -> AgreementRow:
     if ratio is not None:
         predicted = [(r, W_T) for r, W_T in predicted if r.comparable]
         slope, line = line_through(comparable, origin=True), line_through(comparable)
-    known = line or slope  # of two conditions there is only the line through the origin
+    known = line or slope  # two conditions have only the line through the origin
     if known is not None and not known.is_likely:
-        slope = None  # W_exp is no straight line over W_T: a slope would state a U that it has not
+        # W_exp is no linear function of W_T: the stated U of a slope would be too small.
+        slope = None
     offsets = (
         [r.W_exp.value / r.W_T.value - 1 for r in comparable if r.W_T is not None]
         if ratio is not None
@@ -214,8 +230,8 @@ def agreement_row(results: Sequence[Result]) -> AgreementRow:
 
 
 def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
-    """Losses that the rig file adds to the bed's, as a fraction of the predicted energy; None
-    without truth or W_T.
+    """Return the losses that the rig file adds to the bed's, as a fraction of the predicted energy;
+    None without truth or W_T.
     """
     total = math.fsum(W_T.value for _, W_T in predicted)
     found = [result.ledger_mean(column) for result, _ in predicted for column in BOX_LOSSES]
@@ -225,7 +241,11 @@ def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class ModelColumns:
-    """95 % interval of W_T over the model's parameters, J, and E_n with half its width as U_T."""
+    """The columns of a condition for the comparison `model`.
+
+    W_T_low, W_T_high : 95 % interval of W_T over the model's parameters, J
+    E_n_model : E_n score with half the width of that interval as U of W_T
+    """
 
     W_T_low: float | None = None
     W_T_high: float | None = None
@@ -233,8 +253,8 @@ class ModelColumns:
 
 
 def model_columns(result: Result) -> ModelColumns:
-    """What the report says of a condition against W_T as uncertain as what nobody measured makes
-    it.
+    """Return the columns of a condition for the comparison `model`; None in all without draws of
+    the parameters.
     """
     if result.W_T is None or result.difference is None or not result.model:
         return ModelColumns()
@@ -244,8 +264,11 @@ def model_columns(result: Result) -> ModelColumns:
 
 
 def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
-    """One entry for each: what with, of how many conditions, in how many |E_n| <= 1, and why it was
-    not made or what it cannot tell."""
+    """Return one row for each of the three comparisons.
+
+    A row states what W_exp is compared with, in how many conditions, in how many |E_n| <= 1, and
+    why the comparison was not made or what it cannot show.
+    """
     scored = [(result, model_columns(result).E_n_model) for result in results]
     model = [(result, E) for result, E in scored if E is not None]
     none = "" if results else "no run states an energy"
@@ -273,10 +296,12 @@ def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
 
 
 def _scores(differences: Sequence[Estimate | None]) -> list[float]:
+    """Return the E_n scores of differences; those without uncertainty are left out."""
     return [d.value / d.U for d in differences if d is not None and d.U]
 
 
 def _entry(name: str, against: str, scores: Sequence[float], why: str) -> ComparisonRow:
+    """Return the row of a comparison with its scores; why: the reason where there are none."""
     return ComparisonRow(
         comparison=name, against=against, n=len(scores), within=sum(abs(E) <= 1 for E in scores),
         why="" if scores else f"not made: {why}",
@@ -284,8 +309,10 @@ def _entry(name: str, against: str, scores: Sequence[float], why: str) -> Compar
 
 
 def _telling(results: Sequence[Result]) -> str:
-    """Which offset the model comparison could tell; a draw of the parameters is the same in all
-    conditions.
+    """Return in words the smallest offset that the comparison `model` could detect.
+
+    A draw of the parameters is the same in all conditions, so that their energies are summed draw
+    by draw.
     """
     W_T = np.array([result.W_T.value for result in results if result.W_T is not None])
     total = W_T @ np.array([result.model for result in results]) / W_T.sum()

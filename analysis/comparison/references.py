@@ -1,12 +1,12 @@
-"""References: what is known without a model must be measured as it is known.
+"""References: quantities that are known without a model of the bed, against their measured values.
 
-Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (that they have no phase
-is the null test's); where the acceleration is read at the stinger's other end, once the stinger is
-taken off. Dashpot: W less the empty box's at the same levels is pi c a^2/w^3. Phase: where the
-rig's own ledger is known, W_exp of rigid masses differs from it by one scale and one angle. A light
-box whose losses exceed its inertia hides milliradians in a W that is known to 1.6 %, and in a null
-of few runs, but not in how W_exp differs from level to level. Signs: masses and energies are
-positive, force and acceleration of the size that was set.
+Rigid mass: the empty box, and grains bonded to it, have F/a = their mass (the null tests judge the
+phase); where the acceleration is read at the far end of the stinger, the stinger is corrected
+first. Dashpot: W less that of the empty box at the same levels is pi c a^2/w^3. Phase: where the
+rig's own ledger is known, W_exp of rigid masses differs from it by one scale and one angle. In a
+light box whose losses exceed its inertia, an angle of milliradians stays hidden both in W, known to
+1.6 %, and in a null test of few runs, but it shows in the way W_exp differs from level to level.
+Signs: masses and energies are positive, and force and acceleration have the magnitude that was set.
 """
 
 import math
@@ -44,7 +44,7 @@ NEGATIVE = "a sign is reversed or a channel is late: the dissipated energy is ne
 def references(
     results: Sequence[Result], channels: Mapping[str, ChannelFacts]
 ) -> tuple[Reference, ...]:
-    """All references that the conditions allow, but the signs."""
+    """Return all references that the conditions allow, except the signs."""
     rigid: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     damped: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     empty = {_level(r.setting): r for r in results if r.setting.is_empty}
@@ -61,15 +61,15 @@ def references(
         ):
             damped[setting.dashpot_c, setting.frequency, *setting.places].append(result)
     return (
-        *(_mass(of, found, channels) for (of, *_), found in rigid.items() if _told(found)),
+        *(_mass(of, found, channels) for (of, *_), found in rigid.items() if _reads_the_box(found)),
         *(_dashpot(c, found, empty, channels) for (c, *_), found in damped.items()),
         *(_phase(found) for found in _rigid_with_ledger(results) if len(found) > 1),
     )
 
 
 def _rigid_with_ledger(results: Sequence[Result]) -> Iterable[list[Result]]:
-    """Conditions in which nothing slides and whose losses are known, by frequency and place of the
-    instruments.
+    """Return the conditions in which nothing slides and whose losses are known, grouped by
+    frequency and position of the instruments.
     """
     groups: dict[tuple[Any, ...], list[Result]] = defaultdict(list)
     for result in results:
@@ -84,12 +84,12 @@ def _rigid_with_ledger(results: Sequence[Result]) -> Iterable[list[Result]]:
 
 
 def _phase(results: Sequence[Result]) -> Reference:
-    """The angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at least two
-    conditions.
+    """Return the angle in W_exp - ledger = (scales) W + angle R, R = (pi/w^2) M_eff a^2, of at
+    least two conditions.
 
-    Generalised least squares: the scales, and what else the certificates leave, are errors that all
-    conditions share; noise and arithmetic are each condition's own. Where W/R is the same in all,
-    angle and scale cannot be told apart, and u says so.
+    Generalised least squares: the scales, and the other errors within the certificates, are common
+    to all conditions; noise and arithmetic are each condition's own. Where W/R is the same in all,
+    angle and scale cannot be distinguished, and u is large.
     """
     apart = np.array([result.chain.value for result in results if result.chain is not None])
     W, R = (np.array([result.mean(name) for result in results]) for name in ("W", "reactive"))
@@ -123,12 +123,12 @@ def _phase(results: Sequence[Result]) -> Reference:
 
 
 def _level(setting: Setting) -> tuple[Any, ...]:
-    """What the empty box shares with the condition that it is taken off from."""
+    """Return the settings that the empty box must share with a condition to serve as its tare."""
     return setting.frequency, setting.acceleration_set, *setting.places
 
 
-def _told(results: Sequence[Result]) -> bool:
-    """Whether the readings tell of the box: not behind a stinger of which nothing is known."""
+def _reads_the_box(results: Sequence[Result]) -> bool:
+    """Return whether the readings describe the box: not through a stinger of unknown properties."""
     return not results[0].setting.through_stinger or all(
         r.at_box is not None for each in results for r in each.runs
     )
@@ -138,15 +138,20 @@ def _held(
     reference: str, of: str, unit: str, value: float, expected: float, u: Estimate, note: str,
     shared: Mapping[str, float],
 ) -> Reference:  # fmt: skip
-    share = abs(value - expected) / u.U
-    verdict = "holds" if share <= 1 else "undecided"
-    side = "within" if share <= 1 else "beyond"
+    """Return a reference with its verdict within its own U.
+
+    u: uncertainty of `value`; shared: standard uncertainties from inputs of other tests, by name.
+    """
+    inside = abs(value - expected) <= u.U
+    verdict = "holds" if inside else "undecided"
+    side = "within" if inside else "beyond"
     why = f"{value:.5g} {unit} against {expected:.5g} {unit}, {side} U = {u.U:.2g} {unit}{note}"
     tested = (Zero(replace(u, value=value - expected), shared),)
     return Reference(reference, of, unit, value, expected, u.U, verdict, why, tested)
 
 
 def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFacts]) -> Reference:
+    """Return the reference of a rigid mass, from F/a of all runs."""
     setting = results[0].setting
     runs = [run for result in results for run in result.runs]
     at_box = (
@@ -155,8 +160,7 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
     masses = [one.M_eff for one in at_box] or [run.energy.M_eff for run in runs]
     mean = math.fsum(masses) / len(masses)
     force, acceleration = channels["force"], channels["acceleration"]
-    # M = Re F/A: it goes with the ratio of the channels, and where losses are large with the angle
-    # between them too.
+    # M = Re F/A is proportional to the ratio of the channels, and depends on their angle as eta does.
     eta = math.fsum(run.energy.eta for run in runs) / len(runs)
     lines = certificate_lines(force, acceleration, setting.frequency, mean, 0.0)
     scales = {
@@ -172,6 +176,7 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
             CERTIFICATE_NU,
         )
     scatter = [(line.part, line.nu) for line in scatter_line(masses)]
+    # Losses of a distorted motion that look like mass: a bound, so rectangular.
     bent = math.fsum(abs(run.energy.eta) * _bending(run) for run in runs) / len(runs) * mean
     u = combine(
         mean,
@@ -186,7 +191,7 @@ def _mass(of: str, results: Sequence[Result], channels: Mapping[str, ChannelFact
     found = _held(
         "rigid mass", of, "kg", mean, expected, u, f" (F/a over {len(masses)} runs{where})", shared
     )
-    # One filling does not tell how fillings differ in mass: it may be beyond U, and fails nothing.
+    # U of a single filling lacks the scatter between fillings: it may be beyond U, and fails nothing.
     return replace(found, tested=()) if setting.is_bonded and len(masses) == 1 else found
 
 
@@ -210,6 +215,9 @@ def _dashpot(
     c: float, results: Sequence[Result], empty: Mapping[tuple[Any, ...], Result],
     channels: Mapping[str, ChannelFacts],
 ) -> Reference:  # fmt: skip
+    """Return the reference of a dashpot of coefficient c (N s/m), less the empty box at the same
+    levels.
+    """
     frequency = results[0].setting.frequency
     omega = 2 * math.pi * frequency
     n = len(results)
@@ -217,6 +225,7 @@ def _dashpot(
     known = [tare for tare in tares if tare is not None]
     whole = len(known) == n
     squares = [math.fsum(run.energy.level**2 for run in r.runs) / len(r.runs) for r in results]
+    # Closed form of a dashpot on a sine: pi c w X^2 = pi c a^2/w^3.
     expected = math.fsum(math.pi * c * square / omega**3 for square in squares) / n
     own = math.fsum(_less(r, tare, "W") for r, tare in zip(results, tares, strict=True)) / n
     reactive = (
@@ -245,11 +254,12 @@ def _dashpot(
     )
     shared = {line.source: line.part - line.part_T for line in lines}
     found = _held("dashpot", f"c = {c:g} N s/m", "J", own, expected, u, note, shared)
-    return found if whole else replace(found, tested=())  # without: the box's own losses are in it
+    # Without the empty box its own losses are part of the value, which then fails nothing.
+    return found if whole else replace(found, tested=())
 
 
 def _less(result: Result, tare: Result | None, name: str) -> float:
-    """Mean of an energy less the empty box's, brought to the same level by a^2."""
+    """Return the mean of an energy less the empty box's, scaled to the same level by a^2."""
     own = result.mean(name)
     return (
         own
@@ -259,8 +269,8 @@ def _less(result: Result, tare: Result | None, name: str) -> float:
 
 
 def signs(results: Sequence[Result], limit: float) -> Reference:
-    """The signs of at least one condition; limit: critical score of the family, for energies below
-    zero.
+    """Return the signs of at least one condition; limit: critical score of the family, for energies
+    below zero.
     """
     runs = [(run, result.setting) for result in results for run in result.runs]
     swapped = [run.run for run, setting in runs if _swapped(run, setting)]
@@ -282,8 +292,11 @@ def signs(results: Sequence[Result], limit: float) -> Reference:
 
 
 def _swapped(run: RunEnergy, setting: Setting) -> bool:
-    """|F| is of the size of the acceleration that was set and |a| of the force that it takes: which is which is told by
-    the geometric mean of the two, where the box is heavy enough (4 kg) for them to differ."""
+    """Return whether the two channels are exchanged.
+
+    Then |F| has the magnitude of the acceleration that was set, and |a| that of the force. Their
+    geometric mean decides, provided that the box is heavy enough (4 kg) for the two to differ.
+    """
     mass = setting.box_mass + setting.gauge_mass
     middle = setting.acceleration_set * math.sqrt(mass)
     return mass >= 4 and run.energy.level > middle > abs(complex(run.energy.force[0]))

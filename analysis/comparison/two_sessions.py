@@ -1,10 +1,10 @@
-"""Two sessions compared: the same settings with another bed, another drive, or a simulation beside
-a measurement.
+"""Comparison of two sessions: the same settings with another bed, another drive, or a simulation
+beside a measurement.
 
-W_B - W_A of conditions with equal settings, with U from both budgets. What the instruments of a
-session do wrong is common to its conditions; where both sessions used the same instruments it is
-common to both, and only the difference of their sensitivities counts. Levels are not corrected:
-what they differ by counts as an uncertainty (rectangular).
+W_B - W_A of conditions with equal settings, with U from both budgets. Instrument errors of a
+session are common to its conditions; if both sessions used the same instruments they are common to
+both, and only the difference of their sensitivities counts. Energies are not corrected to equal
+levels: the difference of the levels counts as an uncertainty (rectangular).
 """
 
 import math
@@ -32,11 +32,11 @@ __all__ = ["FARTHEST", "MATCHED_BY", "compare", "kendall"]
 
 SETTINGS = ("material", "density", "diameter", "fill", "frequency")
 MATCHED_BY = (*SETTINGS, "acceleration")
-NOT_STATED = "not stated"  # material of a mapping that names none
+NOT_STATED = "not stated"  # material in an imported session whose mapping names none
 FARTHEST = 0.05  # largest difference of the levels reached, relative
-EQUAL = 1e-6  # settings that agree so far are one
-FREQUENCY = 1e-3  # and frequencies, of which one may have been found from a record
-LEVEL = 0.05
+EQUAL = 1e-6  # relative difference of settings that count as equal
+FREQUENCY = 1e-3  # the same of frequencies: one of them may be estimated from a record
+LEVEL = 0.05  # of the tests of all pairs together
 
 Pair = tuple[ConditionRow, ConditionRow]
 """A condition of A and its match in B."""
@@ -45,10 +45,10 @@ Pair = tuple[ConditionRow, ConditionRow]
 def compare(
     a: Report, b: Report, same_instruments: bool = False, folders: tuple[str, str] = ("A", "B")
 ) -> Comparison:
-    """The comparison of two reports; energies in J per cycle, `difference` B less A.
+    """Return the comparison of two reports: energies in J per cycle, `difference` B less A.
 
-    same_instruments: their errors are common to both sessions. folders: what names sessions of one
-    protocol.
+    same_instruments: instrument errors are common to both sessions. folders: names that distinguish
+    two sessions of one protocol.
     """
     one_name = a.protocol == b.protocol
     pairs, alone = matched(a.conditions, b.conditions)
@@ -73,6 +73,7 @@ def compare(
 
 
 def _session(report: Report, folder: str) -> ComparedSession:
+    """Return the comparison's entry for a session; folder: added to the protocol's name."""
     rows, protocol = report.conditions, report.protocol
     return ComparedSession(
         name=f"{protocol} ({folder})" if protocol and folder else protocol or folder or "session",
@@ -90,10 +91,14 @@ def _session(report: Report, folder: str) -> ComparedSession:
 def matched(
     a: Sequence[ConditionRow], b: Sequence[ConditionRow]
 ) -> tuple[list[Pair], list[Unmatched]]:
-    """Pairs of conditions with equal settings (what one of them does not know is no difference) and
-    levels at most FARTHEST apart, each used once, and the others with the reason. The same bed goes
-    first, then the same drive; the level that was set goes before the nearest one that was reached.
-    What only settings that one side does not know would tell apart is not matched."""
+    """Return pairs of conditions with equal settings, and the conditions without a match with the
+    reason.
+
+    Levels of a pair differ by at most FARTHEST; each condition is used once. A setting that one
+    side does not state counts as equal, but conditions that only such a setting would distinguish
+    are not matched. The same bed takes precedence, then the same drive; the level that was set
+    takes precedence over the nearest level that was reached.
+    """
     alike = [(row, other) for row in a for other in b if not _differ(row, other)]
     found: dict[str, ConditionRow] = {}
     for places in (("bed", "drive"), ("bed",), ()):
@@ -121,8 +126,9 @@ def matched(
 
 
 def _nearest(links: Sequence[Pair]) -> dict[str, ConditionRow]:
-    """Conditions of B by ids of A: of possible pairs the nearest levels first, where only the level
-    tells.
+    """Return conditions of B by ids of A, matched from possible pairs, nearest levels first.
+
+    Only pairs whose rivals differ from them in the level alone.
     """
     others_of, rows_of = defaultdict(list), defaultdict(list)
     for row, other in links:
@@ -131,15 +137,19 @@ def _nearest(links: Sequence[Pair]) -> dict[str, ConditionRow]:
     found: dict[str, ConditionRow] = {}
     used: set[str] = set()
     for row, other in sorted(links, key=lambda link: abs(_levels(*link))):
-        told = _told_apart(others_of[row.id]) and _told_apart(rows_of[other.id])
-        if told and row.id not in found and other.id not in used:
+        unique = _differ_in_level_only(others_of[row.id]) and _differ_in_level_only(
+            rows_of[other.id]
+        )
+        if unique and row.id not in found and other.id not in used:
             found[row.id] = other
             used.add(other.id)
     return found
 
 
-def _told_apart(rows: Sequence[ConditionRow]) -> bool:
-    """Whether conditions of one session differ in the level that was set, and in nothing else."""
+def _differ_in_level_only(rows: Sequence[ConditionRow]) -> bool:
+    """Return whether conditions of one session differ in the level that was set, and in nothing
+    else.
+    """
     return all(
         all(getattr(one, name) == getattr(other, name) for name in SETTINGS)
         and not _equal(one.acceleration_set, other.acceleration_set)
@@ -148,10 +158,10 @@ def _told_apart(rows: Sequence[ConditionRow]) -> bool:
 
 
 def _why(row: ConditionRow, others: Sequence[ConditionRow], to: str) -> str:
-    """Why a condition has no match in session `to`."""
+    """Return why a condition has no match in session `to`."""
     several = [other.id for other in others if not _differ(row, other)]
     if several:
-        return f"not told apart, or matched with a nearer level: {to} has {', '.join(several)}"
+        return f"ambiguous, or matched with a nearer level: {to} has {', '.join(several)}"
     if not others:
         return f"{to} has no condition"
     near = min(
@@ -161,18 +171,19 @@ def _why(row: ConditionRow, others: Sequence[ConditionRow], to: str) -> str:
     fields = _differ(row, near)
     if fields == ["acceleration"]:
         return f"the levels reached are {100 * abs(_levels(row, near)):.2g} % apart ({near.id} of {to})"
-    told = ", ".join(f"{name} {_told(row, name)} against {_told(near, name)}" for name in fields)
-    return f"no condition of {to} has these settings; nearest is {near.id}: {told}"
+    listed = ", ".join(f"{name} {_text(row, name)} against {_text(near, name)}" for name in fields)
+    return f"no condition of {to} has these settings; nearest is {near.id}: {listed}"
 
 
-def _told(row: ConditionRow, name: str) -> str:
+def _text(row: ConditionRow, name: str) -> str:
+    """Return a setting in words."""
     value: str | float = getattr(row, name)
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def _differ(one: ConditionRow, other: ConditionRow) -> list[str]:
-    """Names of what two conditions have not in common. A level that was measured, and not set,
-    counts as reached.
+    """Return the names of the settings that differ. Measured levels, which nobody set, are compared
+    as reached.
     """
     names = [
         name
@@ -190,10 +201,14 @@ def _differ(one: ConditionRow, other: ConditionRow) -> list[str]:
 
 
 def _unknown(value: object) -> bool:
+    """Return whether a setting is not stated."""
     return value is None or value == NOT_STATED
 
 
 def _equal(one: str | float | None, other: str | float | None, tolerance: float = EQUAL) -> bool:
+    """Return whether two settings agree within a relative tolerance; one that is not stated agrees
+    with any.
+    """
     if one is None or other is None or _unknown(one) or _unknown(other):
         return True
     if isinstance(one, str) or isinstance(other, str):
@@ -202,15 +217,17 @@ def _equal(one: str | float | None, other: str | float | None, tolerance: float 
 
 
 def _levels(a: ConditionRow, b: ConditionRow) -> float:
-    """ln of the ratio of the levels reached."""
+    """Return ln of the ratio of the levels reached, B over A."""
     return math.log(b.acceleration / a.acceleration) if a.acceleration and b.acceleration else 0.0
 
 
 def _pair(a: ConditionRow, b: ConditionRow, same: bool) -> ComparedPair:
-    """A pair of conditions; the test of all pairs together decides which differences are significant."""
+    """Return the comparison of one pair; `compare` decides afterwards which differences are
+    significant.
+    """
     difference = _estimate(b.W_exp - a.W_exp, [(a, -1.0)], [(b, 1.0)], same, [_level_part(a, b)])
-    told = all(row.W_exp > max(row.detected, row.U_W_exp) for row in (a, b))
-    ratio = b.W_exp / a.W_exp if told else None
+    significant = all(row.W_exp > max(row.detected, row.U_W_exp) for row in (a, b))
+    ratio = b.W_exp / a.W_exp if significant else None
     relative = None
     if ratio is not None:
         scale = 1 / a.W_exp
@@ -252,7 +269,7 @@ def _pair(a: ConditionRow, b: ConditionRow, same: bool) -> ComparedPair:
 
 
 def _level_part(a: ConditionRow, b: ConditionRow) -> float:
-    """Standard uncertainty of a difference in J from levels that are not the same, W growing as
+    """Return the standard uncertainty of a difference, J, that unequal levels cause; W grows as
     a^n.
     """
     n = float(a.exponent or b.exponent or 2.0)
@@ -266,9 +283,12 @@ def _estimate(
     same: bool,
     more: Sequence[float] = (),
 ) -> Estimate:
-    """A value that depends on W of conditions with given derivatives. Lines in J (scatter, noise)
-    belong to a condition alone; all others are one error of a session's instruments, of both
-    sessions where they are the same."""
+    """Return a value with the uncertainty that follows from its derivatives to W of conditions of A
+    and B.
+
+    Budget lines in J (scatter, noise) are a condition's own. All others are one error of the
+    session's instruments, of both sessions where `same`. more: further standard uncertainties.
+    """
     shared: dict[tuple[str, str], float] = defaultdict(float)
     nu: dict[tuple[str, str], float] = {}
     parts = [(part, math.inf) for part in more]
@@ -287,7 +307,7 @@ def _estimate(
 
 
 def _overall(pairs: Sequence[Pair], same: bool) -> OverallDifference | None:
-    """Sum of W_B over sum of W_A, less 1; None without a pair."""
+    """Return sum W_B / sum W_A - 1; None without a pair."""
     total = math.fsum(a.W_exp for a, _ in pairs)
     if not pairs or not total > 0:
         return None
@@ -305,20 +325,24 @@ def _overall(pairs: Sequence[Pair], same: bool) -> OverallDifference | None:
 
 
 def kendall(x: Sequence[float], y: Sequence[float]) -> float | None:
-    """Kendall's tau-b (Biometrika 33, 239 (1945)); None where one of both does not vary."""
+    """Return Kendall's tau-b (Biometrika 33, 239 (1945)); None where one of the two does not vary."""
     signs = [(_sign(x[i] - x[j]), _sign(y[i] - y[j])) for i, j in combinations(range(len(x)), 2)]
     ups, downs = sum(s * s for s, _ in signs), sum(t * t for _, t in signs)
     return sum(s * t for s, t in signs) / math.sqrt(ups * downs) if ups and downs else None
 
 
 def _sign(value: float) -> int:
+    """Return -1, 0 or 1."""
     return (value > 0) - (value < 0)
 
 
 def _ranks(pairs: Sequence[Pair]) -> RankOrder:
-    """Tau over the pairs with its 95 % interval (Fieller, Hartley and Pearson, Biometrika 44, 470
-    (1957): tanh of atanh(tau) ± 1.96 sqrt(0.437/(n - 4)), from 10 pairs on), and the orders that
-    both sessions decide differently."""
+    """Return tau over the pairs with its 95 % interval, and the rank orders on which the sessions
+    disagree.
+
+    The interval is tanh(atanh(tau) ± 1.96 sqrt(0.437/(n - 4))), from 10 pairs on (Fieller, Hartley
+    and Pearson, Biometrika 44, 470 (1957)).
+    """
     tau = kendall([a.W_exp for a, _ in pairs], [b.W_exp for _, b in pairs])
     n, interval = len(pairs), None
     if tau is not None and n >= 10:
@@ -338,8 +362,8 @@ def _ranks(pairs: Sequence[Pair]) -> RankOrder:
 
 
 def _order(one: ConditionRow, other: ConditionRow) -> int:
-    """Which of two conditions of a session has the larger W: 1, -1, or 0 where their U does not
-    tell.
+    """Return which of two conditions of a session has the larger W: 1, -1, or 0 where the
+    difference is within its U.
     """
     found = _estimate(one.W_exp - other.W_exp, [(one, 1.0), (other, -1.0)], (), True)
     return _sign(found.value) if abs(found.value) > found.U else 0

@@ -1,5 +1,7 @@
-"""Whether a session passes: ledger, nulls, references, record quality, chain comparison. Claims
-never decide it.
+"""The verdict of a session: ledger, null tests, references, quality of the record, chain
+comparison.
+
+Claims never decide it.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,12 +20,12 @@ from analysis.text import counted
 
 __all__ = ["Verdict", "verdict"]
 
-CLOSES = {
-    "prescribed": 1e-9,
-    "shaker": 1e-6,
-}  # largest closure of an account that closes, relative, by drive
+CLOSES = {"prescribed": 1e-9, "shaker": 1e-6}
+"""Largest relative error of an energy account that closes, by drive: that of a shaker-coupled stand
+contains the error of its time steps.
+"""
 SHOWN = 5  # conditions named in a sentence
-NOT_REACHED = "level_not_reached"  # with what stopped the level: level_not_reached_voltage
+NOT_REACHED = "level_not_reached"  # prefix; the limit that stopped the level follows: level_not_reached_voltage
 FAULTS = {
     "clipped",
     "sensor_clip",
@@ -39,8 +41,14 @@ FAULTS = {
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """verdict: passes or fails; reasons: one sentence per check; chain_share: of conditions within
-    the family's bound of the chain; failures: the sentences of the checks that failed."""
+    """The verdict of a session.
+
+    verdict : passes or fails
+    reasons : one sentence for each check
+    chain_share : fraction of the conditions within the family's bound of the chain comparison; None
+        without a ledger
+    failures : the sentences of the checks that failed
+    """
 
     verdict: str
     reasons: tuple[str, ...]
@@ -57,20 +65,20 @@ def verdict(
     sweeps: Sequence[SweepCurve] = (),
     limit: float = ALONE,
 ) -> Verdict:
-    """Judge a session; sweeps: of runs that state no energy; limit: critical score of the family of
-    tests. A check that the record cannot answer (no truth, no null test) is said and fails nothing.
+    """Judge a session.
+
+    closure: largest relative error of the energy account; sweeps: of runs that state no energy;
+    limit: critical score of the family of tests. A check that the record cannot answer (no truth,
+    no null test) is mentioned and fails nothing.
     """
     chain = [test.score <= limit for test in chain_tests(results)]
-    share = sum(chain) / len(chain) if chain else None
+    fraction = sum(chain) / len(chain) if chain else None
     faulted = [run.run for r in results for run in r.runs if _faulted(run.flags)]
     faulted += [one.run for one in sweeps if _faulted(one.flags)]
-    why = (
-        "the record holds no truth"
-        if results
-        else "a sweep states no energy"
-        if sweeps
-        else "no run can be used"
-    )
+    if results:
+        why = "the record holds no truth"
+    else:
+        why = "a sweep states no energy" if sweeps else "no run can be used"
     checks = [
         _ledger(results, closure, why),
         *_nulls(nulls),
@@ -88,11 +96,15 @@ def verdict(
     passes = all(good for good, _ in checks)
     failures = tuple(text for good, text in checks if not good)
     return Verdict(
-        "passes" if passes else "fails", tuple(text for _, text in checks if text), share, failures
+        "passes" if passes else "fails",
+        tuple(text for _, text in checks if text),
+        fraction,
+        failures,
     )
 
 
 def _ledger(results: Sequence[Result], closure: float | None, why: str) -> tuple[bool, str]:
+    """Check that the energy account closes; why: the reason where there is none."""
     if closure is None:
         return True, f"The energy account is not checked: {why}."
     good = all(
@@ -108,7 +120,7 @@ def _ledger(results: Sequence[Result], closure: float | None, why: str) -> tuple
 
 
 def _beyond(results: Sequence[Result]) -> tuple[bool, str]:
-    """Why W_T is missing where it was predicted for other levels than the one reached."""
+    """Return why W_T is missing where the level reached lies outside the predicted ones."""
     names = [result.setting.id for result in results if result.beyond]
     if not names:
         return True, ""
@@ -122,35 +134,38 @@ def _beyond(results: Sequence[Result]) -> tuple[bool, str]:
 
 
 def _nulls(nulls: Sequence[NullTest]) -> Iterator[tuple[bool, str]]:
-    """A sentence for each kind of bed and verdict: the null whose angle is the largest share of its
-    U stands for the others."""
+    """Yield a sentence for each kind of bed and verdict.
 
-    def share(null: NullTest) -> float:
+    Of several null tests it quotes the one whose angle is the largest fraction of its U.
+    """
+
+    def closeness(null: NullTest) -> float:
         return abs(null.dphi.value) / null.dphi.U if null.dphi and null.dphi.U else 0.0
 
     for name, same in _alike(nulls, lambda null: (null.null, null.verdict)):
         test = (
             "The loop-back" if name[0] == "loop-back" else f"The null test with the {name[0]} bed"
         )
-        yield name[1] != "does not hold", f"{test} {_told(name[1], same, share)}."
+        yield name[1] != "does not hold", f"{test} {_in_words(name[1], same, closeness)}."
 
 
 def _references(references: Sequence[Reference]) -> Iterator[tuple[bool, str]]:
-    """Return what `_nulls` does, for references: those that were measured, and the signs only where
-    they are wrong.
+    """Yield the sentences of the measured references, as `_nulls` does; the signs only where they
+    are wrong.
     """
-    told = [
+    stated = [
         each for each in references if each.value is not None or each.verdict == "does not hold"
     ]
 
-    def share(each: Reference) -> float:
-        known = each.value is not None and each.expected is not None and each.U
-        return abs((each.value or 0.0) - (each.expected or 0.0)) / (each.U or 1.0) if known else 0.0
+    def closeness(each: Reference) -> float:
+        if each.value is None or each.expected is None or not each.U:
+            return 0.0
+        return abs(each.value - each.expected) / each.U
 
-    for name, same in _alike(told, lambda each: (each.reference, each.of, each.verdict)):
+    for name, same in _alike(stated, lambda each: (each.reference, each.of, each.verdict)):
         yield (
             name[2] != "does not hold",
-            f"The reference {name[0]} ({name[1]}) {_told(name[2], same, share)}.",
+            f"The reference {name[0]} ({name[1]}) {_in_words(name[2], same, closeness)}.",
         )
 
 
@@ -160,34 +175,36 @@ T = TypeVar("T", NullTest, Reference)
 def _alike(
     each: Sequence[T], key: Callable[[T], tuple[str, ...]]
 ) -> Iterator[tuple[tuple[str, ...], list[T]]]:
-    """Groups of equal keys in the order of first appearance."""
+    """Return groups of equal keys in the order of first appearance."""
     groups: dict[tuple[str, ...], list[T]] = {}
     for item in each:
         groups.setdefault(key(item), []).append(item)
     return iter(groups.items())
 
 
-def _told(verdict: str, same: Sequence[T], share: Callable[[T], float]) -> str:
+def _in_words(verdict: str, same: Sequence[T], closeness: Callable[[T], float]) -> str:
+    """Return a verdict in words, with the reason of the case nearest to its limit; closeness: of a
+    case to it.
+    """
     words = "is undecided" if verdict == "undecided" else verdict
-    worst = max(same, key=share)
+    worst = max(same, key=closeness)
     if len(same) == 1:
         return f"{words}: {worst.why}"
-    return f"{words} in {len(same)} cases, most narrowly: {worst.why}" if share(worst) else (
-        f"{words} in {len(same)} cases: {worst.why}"
-    )  # fmt: skip
+    which = ", most narrowly" if closeness(worst) else ""
+    return f"{words} in {len(same)} cases{which}: {worst.why}"
 
 
 def _faulted(flags: Sequence[str]) -> bool:
-    """Whether a run's flags say that it is not what was asked for."""
-    found = {
-        flag.rpartition("_")[0] for flag in flags
-    }  # what the analysis found of a channel: "gain_step_force"
+    """Return whether a run's flags say that it is not what was asked for."""
+    # Flags of the analysis end in the channel's name: "gain_step_force".
+    found = {flag.rpartition("_")[0] for flag in flags}
     return bool(FAULTS & set(flags) or found & set(SUSPECT)) or any(
         flag.startswith(NOT_REACHED) for flag in flags
     )
 
 
 def _faults(faulted: Sequence[str], left_out: Sequence[LeftOutRun]) -> tuple[bool, str]:
+    """Check that no run is left out, overloaded or faulted."""
     if left_out:
         return (
             False,
@@ -201,6 +218,7 @@ def _faults(faulted: Sequence[str], left_out: Sequence[LeftOutRun]) -> tuple[boo
 
 
 def _chain(chain: Sequence[bool], limit: float, why: str) -> tuple[bool, str]:
+    """Check that enough conditions agree with the ledger; limit: critical score."""
     if not chain:
         return True, f"The chain comparison is not made: {why}."
     inside = f"W_exp agrees with the rig's own ledger in {sum(chain)} of {len(chain)} conditions"
@@ -210,6 +228,7 @@ def _chain(chain: Sequence[bool], limit: float, why: str) -> tuple[bool, str]:
 
 
 def _sweeps(count: int) -> tuple[bool, str]:
+    """Return how many runs were sweeps."""
     return (
         True,
         f"Force and acceleration against frequency, no energy: {counted(count, 'sweep')}."
@@ -219,6 +238,7 @@ def _sweeps(count: int) -> tuple[bool, str]:
 
 
 def _repeats(results: Sequence[Result]) -> tuple[bool, str]:
+    """Return how many conditions have a single run: their U lacks the scatter between refills."""
     single = sum(len(r.runs) == 1 for r in results)
     if not single:
         return True, ""

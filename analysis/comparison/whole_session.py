@@ -1,4 +1,4 @@
-"""Agreement between measured and predicted dissipation: the report of a session."""
+"""The report of a session: agreement between measured and predicted dissipation."""
 
 import math
 from collections import defaultdict
@@ -50,7 +50,7 @@ from daq.documents.classes import finite
 
 __all__ = ["agreement"]
 
-OWN_MECHANISM = {"grains"}  # beds that do not share the mechanism behind W_T
+OWN_MECHANISM = {"grains"}  # beds with other physics than the model of W_T
 
 
 def agreement(
@@ -71,19 +71,19 @@ def agreement(
     loop_backs: Sequence[LoopBack] = (),
     sweeps: Sequence[SweepCurve] = (),
 ) -> Report:
-    """The report of a session.
+    """Return the report of a session.
 
     runs: energies of its runs. conditions: documents of the session by id, in the order to report.
     prediction: as the session's document, {"conditions": {id: {"acceleration": [m/s^2], "W_T": [J],
     ...}}} with the keys of `analysis.session.prediction_entry`, None for none: plain numbers, so
-    that a laboratory's own can take its place. channels: channel table with "force" and
-    "acceleration". assumed: values of the rig file. left_out: runs that could not be used. expect:
-    claims to judge. actual: the instruments as they really are, for the terms of the offset
-    (simulated sessions only). fidelity: how finely and how long each condition was simulated, where
-    that was chosen and not written. resolved: protocol and rig file written out. loop_backs: what
-    runs with one voltage at both inputs tell. sweeps: of runs that sweep, which state no energy.
+    that a laboratory can supply its own. channels: channel table with "force" and "acceleration".
+    assumed: values of the rig file. left_out: runs that could not be used. expect: claims to judge.
+    actual: the true states of the instruments, for the terms of the offset (simulated sessions
+    only). fidelity: resolution and length of each condition's simulation, where a tolerance chose
+    them. resolved: protocol and rig file written out. loop_backs: results of the runs with one
+    voltage at both inputs. sweeps: of the runs that sweep, which state no energy.
 
-    Numbers in SI, energies in J per cycle; None for what is not known, and for degrees of freedom
+    Numbers in SI, energies in J per cycle; None for unknown values, and for degrees of freedom
     without bound.
     """
     settings = {name: Setting.of(condition) for name, condition in conditions.items()}
@@ -107,8 +107,8 @@ def agreement(
     known = tuple(reference.judged(limit) for reference in known)
     known = (signs(results, limit), *known) if results else ()
     judged = verdict(results, nulls, known, closure, left_out, sweeps, limit)
-    seen = [r.setting for r in results] + [settings[one.condition] for one in sweeps]
-    ideal = synthetic and all(setting.drive == "prescribed" for setting in seen)
+    used = [r.setting for r in results] + [settings[one.condition] for one in sweeps]
+    ideal = synthetic and all(setting.drive == "prescribed" for setting in used)
     rows = tuple(
         _row(
             result,
@@ -122,7 +122,7 @@ def agreement(
         protocol=protocol,
         question=question,
         synthetic=synthetic,
-        tests="measurement" if synthetic and not OWN_MECHANISM & {s.bed for s in seen} else "model",
+        tests="measurement" if synthetic and not OWN_MECHANISM & {s.bed for s in used} else "model",
         waveform="ideal" if ideal else "measured",
         support=tuple(
             sorted({setting.support for setting in settings.values() if setting.support})
@@ -153,21 +153,23 @@ def agreement(
 
 
 def _level(setting: Setting) -> tuple[Any, ...]:
-    """What a condition shares with the empty box that it is compared with."""
+    """Return the settings that a condition has in common with the empty box that it is compared
+    with.
+    """
     return setting.drive, setting.frequency, setting.acceleration_set, *setting.places
 
 
 def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> ConditionRow:
-    """A condition in the report; empty: the empty box at its level."""
+    """Return a condition's entry in the report; empty: the empty box at its level."""
     setting, exp, got = result.setting, result.W_exp, result.predicted
     W = [run.energy.W for run in result.runs]
     n = len(W)
     distortions = [
         d for d in (box_distortion(run, setting) for run in result.runs) if d is not None
     ]
-    told = result.W_T is not None and result.comparable
-    offset = _offset(result, exp.value, result.W_T) if told else None
-    difference = result.difference if told else None
+    stated = result.W_T is not None and result.comparable
+    offset = _offset(result, exp.value, result.W_T) if stated else None
+    difference = result.difference if stated else None
     model, refills, recorded, at_box = (
         model_columns(result),
         refill_columns(result),
@@ -248,6 +250,7 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
 
 
 def _budget_of_W_T(result: Result) -> tuple[SourceRow, ...]:
+    """Return the budget of W_T; empty without a prediction."""
     W_T = result.W_T
     if W_T is None:
         return ()
@@ -257,16 +260,20 @@ def _budget_of_W_T(result: Result) -> tuple[SourceRow, ...]:
 
 
 def _budget_row(line: Line, sensitivity: float, part: float, u: float) -> SourceRow:
-    """A line of the budget of W_exp or W_T, whose standard uncertainty is u (J): its part of u^2 is
-    `share`.
+    """Return a line of the budget of W_exp or W_T, whose standard uncertainty is u (J).
+
+    sensitivity: J per unit of the line; part: J; its fraction of u^2 is `share`.
     """
     nu = None if math.isinf(line.nu) else line.nu
     return SourceRow(line.source, line.unit, line.u, sensitivity, nu, (part / u) ** 2 if u else 0.0)
 
 
 def _at_box(result: Result) -> tuple[float, float] | None:
-    """W and apparent mass, means compensated for the places of gauge and accelerometer; None where
-    these are not known."""
+    """Return W (J) and apparent mass (kg), means over the runs, corrected for the positions of
+    gauge and accelerometer.
+
+    None where these are not known.
+    """
     found = [run.at_box for run in result.runs if run.at_box is not None]
     if len(found) < len(result.runs):
         return None
@@ -276,7 +283,7 @@ def _at_box(result: Result) -> tuple[float, float] | None:
 
 @dataclass(frozen=True, slots=True)
 class RecordedColumns:
-    """The comparison with W_T on the recorded waveforms; None for what is not told."""
+    """The columns of a condition for W_T on the recorded waveforms; None for unknown values."""
 
     W_T: float | None = None
     U_W_T: float | None = None
@@ -286,8 +293,9 @@ class RecordedColumns:
 
 
 def _recorded(result: Result) -> RecordedColumns:
-    """Return the comparison with W_T on the recorded waveforms; the offset is None where W_T or
-    W_exp is below its detection limit.
+    """Return the columns of a condition for W_T on the recorded waveforms.
+
+    The offset is None where W_T or W_exp is below the detection limit.
     """
     found = result.recorded
     if found is None:
@@ -303,8 +311,9 @@ def _recorded(result: Result) -> RecordedColumns:
 
 
 def _offset(source: Result | Recorded, W: float, W_T: Estimate | None) -> Estimate | None:
-    """W/W_T - 1 with the budget behind both: an error of W_T weighs W/W_T times as much as one of
-    W.
+    """Return W/W_T - 1 with the uncertainty from both budgets.
+
+    Its derivatives are 1/W_T to W and -W/W_T^2 to W_T.
     """
     if W_T is None:
         return None
@@ -312,6 +321,7 @@ def _offset(source: Result | Recorded, W: float, W_T: Estimate | None) -> Estima
 
 
 def _run_row(run: RunEnergy) -> RunRow:
+    """Return a run's entry in the report."""
     energy = run.energy
     return RunRow(
         run=run.run, order=run.order, repeat=run.repeat, acceleration=energy.level,
@@ -323,18 +333,19 @@ def _run_row(run: RunEnergy) -> RunRow:
 
 
 def _E_n(difference: Estimate | None) -> float | None:
-    """E_n score: the difference over its expanded uncertainty."""
+    """Return the E_n score: the difference over its expanded uncertainty; None without one."""
     return None if difference is None or not difference.U else difference.value / difference.U
 
 
 def _closure(results: Sequence[Result]) -> float | None:
+    """Return the largest relative error of the energy account; None without truth."""
     ledgers = [run.ledger for result in results for run in result.runs if run.ledger is not None]
     return max((ledger[CLOSURE] for ledger in ledgers if CLOSURE in ledger), default=None)
 
 
 def _flags(results: Sequence[Result], sweeps: Sequence[SweepCurve]) -> tuple[FlagRow, ...]:
-    """Every flag with the runs that carry it, in the order of first appearance, and the most used
-    of a limit.
+    """Return every flag with the runs that carry it, in the order of first appearance, and the
+    largest utilisation of a limit.
     """
     runs: dict[str, list[tuple[str, Mapping[str, float]]]] = defaultdict(list)
     every = [(run.run, run.flags, run.use) for result in results for run in result.runs]
@@ -353,7 +364,9 @@ def _flags(results: Sequence[Result], sweeps: Sequence[SweepCurve]) -> tuple[Fla
 
 
 def _too_coarse(results: Sequence[Result], fidelity: Fidelity) -> tuple[FlagRow, ...]:
-    """The flag of the conditions whose predicted error exceeds the tolerance that was asked for."""
+    """Return the flag of the conditions whose predicted error exceeds the tolerance that was asked
+    for.
+    """
     over = {
         row.id: (row.error or 0.0) / fidelity.tolerance
         for row in fidelity.conditions
@@ -364,6 +377,7 @@ def _too_coarse(results: Sequence[Result], fidelity: Fidelity) -> tuple[FlagRow,
 
 
 def _instrument(channel: ChannelFacts) -> InstrumentRow:
+    """Return a channel's certified values for the report."""
     return InstrumentRow(
         channel=channel.name,
         model=channel.model,

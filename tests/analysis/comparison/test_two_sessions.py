@@ -211,10 +211,10 @@ def test_what_one_side_does_not_know_is_listed_and_never_guessed():
     assert found.pairs[0].not_compared == ("material", "density", "diameter")
     assert found.pairs[0].material == "stainless"
     assert "does not know it: material, density, diameter." in comparison_sentences(found)[-1]
-    # three fills at one level: without the fill they are not told apart, however near a level is
+    # three fills at one level: without the fill they are ambiguous, however near a level is
     found = compare(one, report([imported(each, fill=None) for each in one.conditions]))
     assert found.pairs == ()
-    assert "not told apart" in found.alone[0].why
+    assert "ambiguous" in found.alone[0].why
 
 
 def test_sessions_have_names_and_words():
@@ -231,7 +231,7 @@ def test_sessions_have_names_and_words():
     assert [each.name for each in other.sessions] == ["one", "two"]
 
 
-def test_the_same_bed_goes_first_and_what_is_not_told_apart_is_left_out():
+def test_the_same_bed_goes_first_and_what_is_ambiguous_is_left_out():
     beds = report([row(f"a{bed}", 1.0, bed=bed) for bed in ("empty", "locked", "layers")])
     found = compare(beds, report([row("b", 2.0)]))
     assert [(pair.A, pair.B) for pair in found.pairs] == [("alayers", "b")]
