@@ -1,4 +1,4 @@
-"""Energies of a window, and the phasors behind them."""
+"""Energies of a window of whole cycles, with the phasors that they are computed from."""
 
 import math
 from dataclasses import dataclass
@@ -14,13 +14,16 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energies of a window in J per cycle, and the phasors (peak values, t = 0 at the window's
-    start) behind them.
+    """Energies of a window, J per cycle, and phasors (peak values, t = 0 at the window's start).
 
-    W: loop estimator, mean over cycles; W_cycles: (cycles,) each one; W_exc: whole-window integral
-    of F v dt; W_kin: change of the box's kinetic energy per cycle from the first to the last cycle
-    start (0 without a box mass); W_eq25 = W_exc - W_kin; W_phasor. force (N), acceleration (m/s^2):
-    phasors of harmonics 1, 2, ...; frequency: Hz.
+    frequency : of the drive, Hz
+    W : loop estimator, mean over the cycles
+    W_cycles : the same of each cycle, (cycles,)
+    W_exc : integral of F v dt over the whole window
+    W_kin : change of the box's kinetic energy per cycle, from the first cycle start to the last; 0
+        without a box mass
+    W_phasor : phasor estimator
+    force, acceleration : phasors of harmonics 1, 2, ..., N and m/s^2
     """
 
     frequency: float
@@ -45,7 +48,7 @@ class Energy:
 
     @property
     def M_eff(self) -> float:
-        """Apparent mass at the fundamental, kg: real part of F/A; everything beyond the gauge
+        """Apparent mass at the fundamental, kg: real part of F/A of everything beyond the gauge
         plane.
         """
         force, acceleration = complex(self.force[0]), complex(self.acceleration[0])
@@ -57,7 +60,7 @@ class Energy:
 
     @property
     def reactive(self) -> float:
-        """(pi / w^2) M_eff a^2 in J: what a phase error of 1 rad would add to W."""
+        """(pi / w^2) M_eff a^2 in J: the error of W per radian of phase error."""
         return math.pi * self.M_eff * (self.level / (2 * math.pi * self.frequency)) ** 2
 
     @property
@@ -92,10 +95,14 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class AtBox:
-    """W: J per cycle into the box, without the stinger; M_eff: kg, apparent mass of the box and
-    what is in it, without the gauge's; level: fundamental of the box's acceleration, m/s^2;
-    M_stiffness: kg, what a standard deviation of the stinger's stiffness makes of M_eff, with its
-    sign."""
+    """A run corrected to the box: without the stinger and the gauge's mass.
+
+    W : energy into the box, J per cycle
+    M_eff : apparent mass of the box and its content, kg
+    level : fundamental acceleration of the box, m/s^2
+    M_stiffness : change of M_eff per standard deviation of the stinger's stiffness, kg, with its
+        sign
+    """
 
     W: float
     M_eff: float

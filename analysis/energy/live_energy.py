@@ -1,6 +1,4 @@
-"""W of each cycle while a run is still being recorded: the analysis's own reading, stretch by
-stretch.
-"""
+"""W of each cycle while a run is still being recorded: the analysis itself, block by block."""
 
 import math
 from collections.abc import Sequence
@@ -20,13 +18,13 @@ Array = NDArray[np.float64]
 
 
 class Online:
-    """Takes a run's blocks in order; gives W of every cycle as soon as it is complete, in constant
-    memory.
+    """A live reading of a run: takes its blocks in order and returns W of every completed cycle, in
+    constant memory.
 
-    The window, the corrections and the loop integral are those of run_energy. Poles are undone over
-    the cycles that a block completes in place of 64 at a time: W of a cycle differs by the mean
-    that is taken off first, of the order of 1/(w tau) of the scatter between cycles. ValueError
-    where no whole cycle fits into the planned samples, and for a sweep.
+    Window, corrections and loop integral are those of run_energy. But poles are corrected over the
+    cycles that one block completes, instead of 64 at a time: the mean that is removed first
+    differs, and W of a cycle by about 1/(w tau) of the scatter between cycles. ValueError where no
+    whole cycle fits into the planned samples, and for a sweep.
     """
 
     def __init__(
@@ -37,6 +35,9 @@ class Online:
         samples: int,
         phase: float = 0.0,
     ) -> None:
+        """Prepare to read a run of `samples` samples at `rate` (Hz); phase: samples from its first
+        one to the start of a drive cycle.
+        """
         if setting.sweep_to is not None:
             raise ValueError("a sweep has no cycles that close")
         names = [channel.name for channel in channels]
@@ -61,16 +62,16 @@ class Online:
 
     @property
     def cycles(self) -> int:
-        """Cycles of the window."""
+        """Number of cycles of the window."""
         return self._window.cycles
 
     @property
     def done(self) -> int:
-        """Cycles read so far."""
+        """Number of cycles read so far."""
         return self._done
 
     def hear(self, block: Block) -> Array:
-        """W in J of the cycles that this block completes; empty while the run settles."""
+        """Return W (J) of the cycles that this block completes; empty while the run settles."""
         units = [
             (block.codes[row] * channel.scale + channel.offset) / channel.sensitivity
             for row, channel in zip(self._rows, self._channels, strict=True)
@@ -92,12 +93,13 @@ class Online:
                 force, acceleration, ready, self._frequency, time_constants=poles, delay=self._delay
             ).W_cycles
             self._done += ready
+        # Samples before the next cycle's interpolation points are not needed any more.
         needed = self._next(1).sample_range()[0] if self._done < self._window.cycles else end
         drop = min(max(needed - self._first, 0), self._kept.shape[1])
         self._kept, self._first = self._kept[:, drop:].copy(), self._first + drop
         return found
 
     def _next(self, cycles: int) -> Window:
-        """The next cycles of the window."""
+        """Return the next cycles of the window."""
         window = self._window
         return Window(window.grid, window.start + self._done * window.grid.period, cycles)

@@ -1,9 +1,9 @@
-"""Energy dissipated per cycle from a force and an acceleration, three ways.
+"""Dissipated energy per cycle from force and acceleration, by three estimators.
 
 Signs: force acts on the box, positive along the drive axis; e^(+jwt); W > 0 for a dashpot. `loop`:
 closed integral of F v dt over each cycle. `phasor`: -pi / (w h w) Im(F_h A_h*) summed over the
 harmonics h of the whole window. `eq25`: W_exc - W_kin of the paper's eq. 25. On whole cycles they
-agree by Parseval's theorem, which is a check of the arithmetic and no independent evidence.
+agree by Parseval's theorem: that checks the arithmetic, and is no independent evidence.
 """
 
 import math
@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Poles = float | Sequence[float] | None  # s, time constants of a channel's high-pass poles
 
-PASS_BAND = 0.45  # of the sampling rate: harmonics above it are not counted (the anti-alias filter falls off there)
+PASS_BAND = 0.45
+"""Fraction of the sampling rate up to which harmonics count: above it the anti-alias filter falls off."""
 
 
 def dissipated_energy(
@@ -40,14 +41,14 @@ def dissipated_energy(
     delay: float = 0.0,
     box_mass: float = 0.0,
 ) -> Energy:
-    """Energy dissipated per cycle by what lies beyond the force gauge.
+    """Return the energy per cycle that everything beyond the force gauge dissipates.
 
     force (N) and acceleration (m/s^2): 1-D, equally long, sampled together at `rate` (Hz) and
     driven at `frequency` (Hz). settle, cycles, filter_delay: see whole_cycles; all whole cycles are
     used by default. time_constants: s, of the high-pass poles of the two channels (None, one, or
-    several), undone harmonic by harmonic. delay: s by which the acceleration channel lags the force
-    channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is not finite or no
-    whole cycle fits.
+    several), corrected harmonic by harmonic. delay: s by which the acceleration channel lags the
+    force channel. box_mass: kg, for W_kin. ValueError where shapes differ, a sample is not finite
+    or no whole cycle fits.
     """
     force, acceleration = np.asarray(force, dtype=float), np.asarray(acceleration, dtype=float)
     if force.ndim != 1 or force.shape != acceleration.shape:
@@ -87,8 +88,9 @@ def window_energy(
     delay: float = 0.0,
     box_mass: float = 0.0,
 ) -> Energy:
-    """Energies of a window of `cycles` whole cycles with a whole number of points each; see
-    dissipated_energy.
+    """Return the energies of a window of `cycles` whole cycles, each with a whole number of points.
+
+    See dissipated_energy.
     """
     points = force.size // cycles
     step = 1 / (frequency * points)
@@ -115,8 +117,9 @@ def window_energy(
 
 
 class Total:
-    """Energies of consecutive windows as one, added up as they come: means weighted with their
-    cycles (the phasors are coherent)."""
+    """The energies of consecutive windows as those of one: means weighted with the number of cycles
+    (the phasors are coherent).
+    """
 
     def __init__(self) -> None:
         self._first: Energy | None = None
@@ -125,7 +128,7 @@ class Total:
         self._sums: tuple[Any, ...] = ()
 
     def add(self, part: Energy) -> None:
-        """The next window."""
+        """Add the next window."""
         n = part.cycles
         own = (
             n * part.W,
@@ -143,7 +146,7 @@ class Total:
         self._W_cycles.append(part.W_cycles)
 
     def energy(self) -> Energy:
-        """Of all windows so far, one at least."""
+        """Return the energies of all windows so far. ValueError without any."""
         if self._first is None:
             raise ValueError("no window")
         if len(self._W_cycles) == 1:
@@ -165,34 +168,37 @@ class Total:
 
 
 def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:
-    """A window with its delay and its poles undone."""
+    """Return a window with its delay and its poles corrected."""
     if delay:
         signal = advanced(signal, delay, step)
-    known = () if poles is None else (poles,) if isinstance(poles, float | int) else poles
-    for time_constant in known:
+    if poles is None:
+        poles = ()
+    elif isinstance(poles, float | int):
+        poles = (poles,)
+    for time_constant in poles:
         signal = without_pole(signal, time_constant, step)
     return signal
 
 
 def harmonics(signal: Array, cycles: int, points: int) -> Complex:
-    """Peak phasors of harmonics 1, 2, ... of the drive, up to the pass band's edge.
+    """Return the peak phasors of harmonics 1, 2, ... of the drive, up to the edge of the pass band.
 
-    The spectrum of the mean cycle is that of the whole window at the harmonics.
+    At these frequencies the spectrum of the mean cycle equals that of the whole window.
     """
     return _phasors(signal.reshape(cycles, points).mean(axis=0))
 
 
 def _phasors(cycle: Array) -> Complex:
-    """Peak phasors of a mean cycle, (points,)."""
+    """Return the peak phasors of a mean cycle, (points,)."""
     points = cycle.size
     return np.fft.rfft(cycle)[1 : max(1, int(PASS_BAND * points)) + 1] * (2 / points)
 
 
 def _loop(sums: CycleSums, points: int, step: float) -> Array:
-    """Closed integral of F v dt of every cycle, (cycles,), means removed cycle by cycle.
+    """Return the closed integral of F v dt of every cycle, (cycles,), means removed cycle by cycle.
 
-    u is the integral less the mean of the whole window; a cycle's own mean takes a straight line
-    from it.
+    u integrates the acceleration less the mean of the whole window; the difference to a cycle's own
+    mean integrates to a straight line, which is subtracted here.
     """
     F, a, kF, u, Fu, _, _ = sums
     slope = (a - a.mean()) / points  # a.mean() / points is the window's mean
@@ -201,19 +207,18 @@ def _loop(sums: CycleSums, points: int, step: float) -> Array:
 
 
 def _literal(sums: CycleSums, points: int, step: float, box_mass: float) -> tuple[float, float]:
-    """W_exc and W_kin of eq. 25, J per cycle, from one integration over the whole window.
+    """Return W_exc and W_kin of eq. 25, J per cycle, from one integration over the whole window.
 
-    An accelerometer's offset makes the velocity drift: the line through the means of the cycles is
-    taken off. (The mean acceleration would not do: it is the box's own change of speed too, and
-    W_kin would vanish by construction.)
+    The offset of an accelerometer makes the velocity drift: the line through the means of the
+    cycles is subtracted. (Subtracting the mean acceleration would not do: it contains the box's own
+    change of speed, and W_kin would vanish by construction.)
     """
     F, _, kF, u, Fu, u_first, _ = sums
     cycles = F.size
     middle = np.arange(cycles) - (cycles - 1) / 2
     means = u / points
     slope = float((means * middle).sum()) / float((middle * middle).sum()) if cycles > 1 else 0.0
-    # the line at the start of each cycle, a cycle's middle lying (1 - 1/points)/2 of a cycle behind
-    # it
+    # The line at the start of each cycle: the middle of its points comes (1 - 1/points)/2 later.
     line = float(means.mean()) + slope * (middle - (1 - 1 / points) / 2)
     W_exc = float((Fu - line * F - slope / points * kF).sum()) * step**2 / cycles
     first, last = float(u_first[0] - line[0]) * step, float(u_first[-1] - line[-1]) * step

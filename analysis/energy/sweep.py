@@ -2,12 +2,12 @@
 
 The phase of the drive is known: phi = 2 pi (f0 t + p t^2/2), p the sweep rate. A signal's
 fundamental over the cycle from phi = 2 pi n to 2 pi (n + 1) is 2 mean(s e^(-j phi)) over the phase,
-dphi = 2 pi f dt: what is steady in phase counts alike wherever in the cycle it is sampled. Poles
-and delays of the channels are undone at each cycle's frequency.
+dphi = 2 pi f dt: samples count equally per unit of phase, wherever in the cycle they lie. Poles and
+delays of the channels are corrected at each cycle's frequency.
 
 A linear system answers a sweep with H - j (b/2) H'' + .., b = 2 pi p, derivatives by the angular
-frequency. The error against the steady response, (b/2) |H''|, is estimated from the curve itself, by
-a parabola through neighbouring points.
+frequency. The error against the steady response, (b/2) |H''|, is estimated from the curve itself,
+by a parabola through neighbouring points.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,15 +25,15 @@ __all__ = ["SweepSummary", "fundamentals", "shift", "summary", "sweep"]
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-MOST_POINTS = 400
-PIECE = 1 << 20  # samples looked at together
+MOST_POINTS = 400  # of a curve in the report
+PIECE = 1 << 20  # samples read at a time, so that memory does not grow with the record
 NEIGHBOURS = 3  # points on either side of a parabola
 
 
 @dataclass(frozen=True, slots=True)
 class SweepSummary:
-    """Where the acceleration of a sweep is largest and least, and where its force is least: value,
-    and frequency.
+    """Largest and least acceleration of a sweep and its least force: (value, frequency) of each, SI
+    units.
     """
 
     acceleration: tuple[float, float]
@@ -47,7 +47,8 @@ def sweep(
     flags: Sequence[str] = (),
     use: Mapping[str, float] | None = None,
 ) -> SweepCurve:
-    """The sweep of one run; cycles are taken together where they are more than MOST_POINTS.
+    """Return the sweep of one run, averaged over groups of cycles where there are more than
+    MOST_POINTS.
 
     AnalysisError where the run is incomplete or a channel is missing.
     """
@@ -92,7 +93,7 @@ def sweep(
 
 
 def _pace(setting: Setting) -> float:
-    """Sweep rate, Hz/s: so many cycles at the mean of both frequencies."""
+    """Return the sweep rate, Hz/s: `record_cycles` cycles at the mean of both frequencies."""
     last = setting.frequency if setting.sweep_to is None else setting.sweep_to
     return (last**2 - setting.frequency**2) / (2.0 * setting.record_cycles)
 
@@ -100,7 +101,9 @@ def _pace(setting: Setting) -> float:
 def _cycles(
     record: RecordedSession, run: RunFacts, setting: Setting
 ) -> tuple[Array, Complex, Complex]:
-    """Mean frequency of every cycle of the sweep, and the phasors of force and acceleration in it."""
+    """Return the mean frequency of every cycle of the sweep, and the phasors of force and
+    acceleration in it.
+    """
     names = ("force", "acceleration")
     channels = [record.channels[name] for name in names]
     count, pace, f0 = int(setting.record_cycles), _pace(setting), setting.frequency
@@ -122,9 +125,12 @@ def _cycles(
 
 
 def fundamentals(signal: Array, time: Array, first: float, pace: float, cycles: int) -> Complex:
-    """Sums over the samples of each cycle that make its fundamental's phasor (peak): [sum s e^(-j
-    phi) dphi, sum of dphi/2], shape (2, cycles); time: s from the start of the sweep at `first` Hz,
-    pace: Hz/s."""
+    """Return the sums over the samples of each cycle that give its fundamental's phasor (peak), (2,
+    cycles).
+
+    They are sum s e^(-j phi) dphi and sum dphi/2; the phasor is their ratio. time: s from the start
+    of the sweep at `first` Hz; pace: Hz/s.
+    """
     turns = (first + 0.5 * pace * time) * time
     inside = (time >= 0.0) & (turns < cycles)
     signal, turns, weight = signal[inside], turns[inside], first + pace * time[inside]
@@ -137,7 +143,7 @@ def fundamentals(signal: Array, time: Array, first: float, pace: float, cycles: 
 
 
 def _passed(channel: ChannelFacts, frequency: Array) -> Complex:
-    """What the channel's high-pass poles make of a sine."""
+    """Return the response of a channel's high-pass poles at each frequency (Hz)."""
     jw = 2j * np.pi * frequency
     passed = np.ones_like(jw)
     for tau in channel.time_constants:
@@ -146,7 +152,10 @@ def _passed(channel: ChannelFacts, frequency: Array) -> Complex:
 
 
 def shift(frequency: Array, response: Complex, pace: float) -> float | None:
-    """(b/2) |H''| of the curve, its largest value over the largest |H|; None for too few points."""
+    """Return the largest sweep-rate error (b/2) |H''| of a curve, relative to the largest |H|.
+
+    None for too few points.
+    """
     if frequency.size < 2 * NEIGHBOURS + 1:
         return None
     second = []
@@ -162,7 +171,7 @@ def shift(frequency: Array, response: Complex, pace: float) -> float | None:
 
 
 def summary(one: SweepCurve) -> SweepSummary:
-    """Where a sweep is largest and least."""
+    """Return the largest and least points of a sweep."""
     acceleration, force = np.array(one.acceleration), np.array(one.force)
 
     def point(values: Array, place: int) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""A sweep as the report has it: force and acceleration against frequency."""
+"""A sweep in the report: force and acceleration against frequency."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +11,18 @@ __all__ = ["SweepCurve"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepCurve:
-    """The sweep of one run with its flags and its uses of the exciter's limits (1: at it), SI:
-    fundamentals (peak) at the mean frequency of each cycle, or of `cycles_each` cycles together;
-    phase by which force leads acceleration, rad; apparent mass Re(F A*)/|A|^2, kg; rate, Hz/s;
-    shift: what the rate makes of force and acceleration, over the largest one."""
+    """The sweep of one run, SI units.
+
+    flags, use : of the run; utilisation of the exciter's limits (1: at the limit)
+    rate : sweep rate, Hz/s
+    cycles_each : number of cycles that are averaged to a point
+    frequency : mean frequency of each point
+    force, acceleration : fundamentals (peak)
+    force_phase : phase by which force leads acceleration, rad
+    M_eff : apparent mass Re(F A*)/|A|^2, kg
+    shift_force, shift_acceleration : estimated error by the finite sweep rate, relative to the
+        largest value
+    """
 
     run: str
     flags: tuple[str, ...]

@@ -1,1 +1,1 @@
-"""The report: one dict in, sentences, tables, figures and files out."""
+"""The report in its forms: sentences, tables, figures and files, all made from one Report."""

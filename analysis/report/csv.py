@@ -1,4 +1,4 @@
-"""report.csv: a line per condition."""
+"""report.csv: one line for each condition."""
 
 import csv
 import io
@@ -63,10 +63,10 @@ COLUMNS = (
 
 
 def csv_text(report: Report) -> str:
-    """The conditions as comma-separated values, SI units, names as in report.json, empty where not
-    known.
+    """Return the conditions as comma-separated values in SI units, with names as in report.json;
+    empty where not known.
 
-    Text that a spreadsheet would compute as a formula stands behind an apostrophe.
+    An apostrophe precedes text that a spreadsheet would evaluate as a formula.
     """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
@@ -74,7 +74,7 @@ def csv_text(report: Report) -> str:
     for row in report.conditions:
         found = (getattr(row, name) for name in COLUMNS)
         values = ("" if value is None else cell_text(value) for value in found)
-        told = row.offset_terms
-        terms = [""] * len(TERMS) if told is None else [value for _, value in told.named()]
+        split = row.offset_terms
+        terms = [""] * len(TERMS) if split is None else [value for _, value in split.named()]
         table.writerow([*values, len(row.runs), *terms])
     return text.getvalue()

@@ -1,4 +1,4 @@
-"""What the report says of a deliberately bad experiment, first of all."""
+"""The sentences and the table of a deliberately bad experiment, at the top of the report."""
 
 from analysis.report.tables.cells import Cell, Table
 from analysis.results.report import Report
@@ -7,14 +7,14 @@ __all__ = ["mistake_sentences", "mistake_tables"]
 
 
 def mistake_sentences(report: Report) -> tuple[str, ...]:
-    """One paragraph where a mistake was made on purpose, none otherwise."""
+    """Return a paragraph about the deliberate error; empty without one."""
     found = report.deliberate_error
     if found is None:
         return ()
     text = f"This is a deliberately bad experiment: {found.what}."
     known = [(row.error, row) for row in found.conditions if row.error is not None]
     if known:
-        error, worst = max(known, key=lambda told: abs(told[0]))
+        error, worst = max(known, key=lambda entry: abs(entry[0]))
         text += (
             f" W comes out wrong by {100 * error:+.3g} % in condition {worst.id}; the rule says "
             f"{100 * (worst.predicted or 0.0):+.3g} %."
@@ -23,8 +23,8 @@ def mistake_sentences(report: Report) -> tuple[str, ...]:
 
 
 def mistake_tables(report: Report) -> tuple[Table, ...]:
-    """The wrong and the right W, and the rule's error beside the one found; nothing without a
-    mistake.
+    """Return the table of wrong and true W, with the error found and the rule's; empty without a
+    deliberate error.
     """
     found = report.deliberate_error
     if found is None:
@@ -58,6 +58,7 @@ def mistake_tables(report: Report) -> tuple[Table, ...]:
 
 
 def _number(value: float | None, form: str, scale: float = 1.0) -> Cell:
+    """Return a cell in a number format; a dash for None."""
     return (
         Cell("–", numeric=True)
         if value is None

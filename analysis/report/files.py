@@ -19,10 +19,10 @@ def write_report(
     """Write report.csv, report.md, report.html and report.json into out_dir (made where missing);
     return the paths.
 
-    Every file is whole or the old one; report.json is the last to be replaced.
+    Every file is either complete or the old one; report.json is replaced last.
 
     figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as
-    well. Equal reports give equal bytes: no date, path or machine is in them.
+    well. Equal reports give equal bytes: they contain no date, path or machine.
     """
     from analysis.report.csv import csv_text
     from analysis.report.html import html_text
@@ -45,10 +45,10 @@ def write_report(
 
 
 def read_report(path: Path | str) -> "Report":
-    """Read a report.json back, or the one in a folder. OSError; AnalysisError where it is damaged,
-    naming the place.
+    """Read a report.json back, or the one in a folder.
 
-    Keys that this version does not know are passed over.
+    OSError; AnalysisError where it is damaged, naming the place. Keys that this version does not
+    know are ignored.
     """
     from analysis.results.report import Report
     from analysis.session.record import AnalysisError

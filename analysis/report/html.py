@@ -17,13 +17,13 @@ from daq.strange_text import LINES, visible
 __all__ = ["html_text", "page"]
 
 LONG = 40  # characters: longer cells may wrap
-MANY = 200  # rows: a longer table is folded, so that a browser lays it out when it is asked for
-WIDE = 14  # characters: longer words take a line of a phone's card
+MANY = 200  # rows: a longer table is folded, so that a browser lays it out only when it is opened
+WIDE = 14  # characters: longer words get their own line in a phone's card
 
 
 def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
-    """The report as a page without any outside reference: what was tested and the verdict first,
-    then the sections.
+    """Return the report as a page without external references: the purpose of the test and the
+    verdict first, then the sections.
     """
     name = report.protocol or "session"
     passes = report.passes
@@ -76,7 +76,7 @@ def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
 def page(
     title: str, head: Iterable[str], parts: Sequence[Section], tail: Iterable[str] = ()
 ) -> str:
-    """A page from its title, its first elements (HTML), sections, and what stands last (HTML)."""
+    """Return a page from its title, its first elements (HTML), sections, and last elements (HTML)."""
     body = [*head, *(_section(section, number) for number, section in enumerate(parts)), *tail]
     return (
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
@@ -114,7 +114,9 @@ def _figure(plot: Plot, titled: bool = True) -> str:
 
 
 def _table(table: Table, name: str, titled: bool = True) -> str:
-    """A table with its note; on a phone each row is a card, every value after its column's name."""
+    """Return a table with its note; on a phone each row is a card, every value after the name of
+    its column.
+    """
     head = "".join(
         f"<th scope='col'><button type='button'>{escape(text)}</button></th>" for text in table.head
     )
@@ -135,7 +137,7 @@ def _table(table: Table, name: str, titled: bool = True) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A CSS string."""
+    """Return text as a CSS string."""
     return '"' + "".join(f"\\{ord(c):x} " if c in '"\\<>&' else c for c in visible(text)) + '"'
 
 

@@ -1,8 +1,8 @@
 """The JSON Schemas of report.json (rig/agreement/2) and comparison.json (rig/comparison/1), for
-readers that are not ours: made from the classes of analysis.results, whose docstrings and
-docs/report.md have the meanings.
+other readers.
 
-SI units, energies in J per cycle. Null stands for what is not known. Further keys may be added
+They are generated from the classes of analysis.results, whose docstrings and docs/report.md have
+the meanings. SI units, energies in J per cycle; null means not known. Further keys may be added
 under the same schema; those that are required here stay.
 """
 
@@ -19,10 +19,10 @@ REPORT, COMPARED = shape_of(report.Report), shape_of(comparison_rows.Comparison)
 
 
 def comparison_schema() -> Mapping[str, Any]:
-    """The JSON Schema of comparison.json."""
+    """Return the JSON Schema of comparison.json."""
     return document_schema(COMPARED, f"Two sessions compared, {comparison_rows.SCHEMA}")
 
 
 def report_schema() -> Mapping[str, Any]:
-    """The JSON Schema of report.json."""
+    """Return the JSON Schema of report.json."""
     return document_schema(REPORT, f"Agreement report, {report.SCHEMA}")

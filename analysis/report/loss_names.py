@@ -1,5 +1,5 @@
-"""What the losses outside the grains are called: by their law. The paper's words for two of them
-explain nothing.
+"""Displayed names of the losses outside the grains: by their law, because the paper's words for two
+of them explain nothing.
 """
 
 from analysis.report.tables.cells import significant
@@ -12,19 +12,17 @@ LAWS = {
     "noise": ("viscous", "sound that the box radiates"),
     "air": ("quadratic", "drag of the air on the box"),
 }
-"""Law of a loss by its name in the protocol, and what the paper's word for it would be by first
-principles.
-"""
+"""Law of a loss by its name in the protocol, and the effect that the paper's word for it means."""
 
 EXPLAINED = 1.0
-"""Times first principles up to which the paper's word may explain a loss: the drag is a ceiling
-already.
+"""Largest multiple of first principles at which the paper's word explains a loss: the estimate of
+the drag is an upper limit already.
 """
 
 
 def loss_name(name: str, report: Report) -> str:
-    """A loss or cause as it is displayed, e.g. "unexplained viscous loss (the paper's noise)";
-    others as they are.
+    """Return the displayed name of a loss or cause, e.g. "unexplained viscous loss (the paper's
+    noise)"; others unchanged.
     """
     if name not in LAWS:
         return name
@@ -34,12 +32,14 @@ def loss_name(name: str, report: Report) -> str:
 
 
 def short_name(name: str) -> str:
-    """The same for a narrow place: the law alone."""
+    """Return the law of a loss alone, for a narrow place; other names unchanged."""
     return LAWS[name][0] if name in LAWS else name
 
 
 def first_principles(name: str, report: Report) -> str:
-    """How large a loss is beside what its word in the paper would be, "" where nobody computed it."""
+    """Return in words the size of a loss over its value by first principles; "" where that is not
+    known.
+    """
     over = _over(name, report)
     if over is None:
         return ""
@@ -49,30 +49,33 @@ def first_principles(name: str, report: Report) -> str:
 
 
 def losses_sentence(report: Report) -> str:
-    """What the stand loses outside the grains and nobody has explained; "" for records and for a
-    stand without.
+    """Return a sentence about the unexplained losses of the stand; "" for records and for a stand
+    without.
     """
     if not report.synthetic:
         return ""
-    told = []
+    losses = []
     for row in report.causes:
         name = row.cause
         if name in LAWS and row.in_run and loss_name(name, report).startswith("unexplained"):
             size = first_principles(name, report)
-            told.append(f"an {loss_name(name, report)}{f', {size}' if size else ''}")
-    if not told:
+            losses.append(f"an {loss_name(name, report)}{f', {size}' if size else ''}")
+    if not losses:
         return ""
-    listed = "; and ".join(told)
+    listed = "; and ".join(losses)
     return f"Between gauge and bed the stand has {listed}: coefficients that were put in and explain no offset."
 
 
 def _over(name: str, report: Report) -> Span | None:
+    """Return the range of a loss's size over its value by first principles; None where it is not
+    known.
+    """
     found = (row.over_first_principles for row in report.causes if row.cause == name)
     return next(found, None)
 
 
 def _rounded(value: float) -> str:
-    """Three digits, thousands apart: 12 200, 317 000."""
+    """Return three digits with spaces between thousands: 12 200, 317 000."""
     return (
         f"{float(f'{value:.3g}'):,.0f}".replace(",", " ")
         if value >= 1000

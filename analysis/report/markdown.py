@@ -21,11 +21,11 @@ _INLINE = re.compile(
     re.IGNORECASE,
 )
 _BLOCK = re.compile(r"^[-+=]|^\d{1,9}[.)](?=\s|$)")
-"""The first characters of a list, a rule or the line under a heading."""
+"""The first characters of a list, of a rule, or of the line under a heading."""
 
 
 def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str:
-    """The report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
+    """Return the report as Markdown (GitHub tables); figures as links to figures/<name>.svg."""
     name = report.protocol or "session"
     lines = [
         f"# {plain(name)}: agreement of measured and predicted dissipation",
@@ -57,7 +57,7 @@ def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str
 
 
 def section_texts(parts: Sequence[Section]) -> Iterable[str]:
-    """The sections as paragraphs of Markdown."""
+    """Yield the sections as paragraphs of Markdown."""
     for section in parts:
         yield f"## {plain(section.title)}"
         yield from map(plain, section.sentences)
@@ -76,12 +76,12 @@ def _table(table: Table) -> str:
 
 
 def plain(text: str) -> str:
-    """Text from a session as text: nothing in it is taken for Markdown, HTML or a table's bar, or
-    hidden.
+    """Return text from a session so that nothing in it is taken for Markdown, HTML or a table's
+    bar, or hidden.
     """
     return _BLOCK.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", _inline(text))
 
 
 def _inline(text: str) -> str:
-    """Text inside a line: a number may begin with its sign."""
+    """Return text for use inside a line, where a number may begin with its sign."""
     return _INLINE.sub(r"\\\g<0>", " ".join(visible(str(text), LINES).split()))

@@ -1,4 +1,4 @@
-"""What the report says in sentences: the same in every form of it."""
+"""The sentences of the report, the same in all its forms."""
 
 import re
 from collections import Counter
@@ -22,11 +22,13 @@ __all__ = [
 ]
 
 FEW = 6  # conditions whose energies the verdict names
-TOLD = 1e-3  # least relative difference between refills and nominal bed that the verdict mentions
+MENTIONED = (
+    1e-3  # least relative difference between refills and nominal bed that the verdict mentions
+)
 
 
 def tested(report: Report) -> str:
-    """The report's first sentence: what a run like this can show."""
+    """Return the report's first sentence: the purpose of a run like this."""
     if only_sweeps(report):
         found = sorted({one.bed for one in report.sweeps})
         return f"This run shows force and acceleration against frequency ({', '.join(found)}): it states no energy."
@@ -47,16 +49,16 @@ def tested(report: Report) -> str:
 
 
 def waveform(report: Report) -> str:
-    """Where the signals come from, and which waveform was assumed."""
+    """Return the origin of the signals and the assumed waveform."""
     origin = "All signals are synthetic." if report.synthetic else "The signals were measured."
     if only_sweeps(report) and report.synthetic:
         return f"{origin} The box moves as exciter and bed let it."
     shaken = [row.thd_acceleration for row in report.conditions if row.drive == "shaker"]
-    told = [value for value in shaken if value is not None]
-    if told:
+    distortions = [value for value in shaken if value is not None]
+    if distortions:
         given = " W_T is given on a sine of the same fundamental and on the recorded waveform."
         return (
-            f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {_between(told)} "
+            f"{origin} The box moves as exciter and bed let it: its acceleration is distorted by {_between(distortions)} "
             f"(harmonics over fundamental).{given if _predicted(report) else ''}"
         )
     if report.waveform != "ideal":
@@ -70,28 +72,30 @@ def waveform(report: Report) -> str:
 
 
 def only_sweeps(report: Report) -> bool:
-    """Whether every run that was read is a sweep, of which no energy is stated."""
+    """Return whether every run that was read is a sweep, which states no energy."""
     return bool(report.sweeps) and not report.conditions
 
 
 def _predicted(report: Report) -> bool:
+    """Return whether any condition has a predicted energy."""
     return any(row.W_T for row in report.conditions)
 
 
-def _between(shares: Sequence[float]) -> str:
-    low, high = (f"{significant(100 * edge(shares), 2)} %" for edge in (min, max))
+def _between(fractions: Sequence[float]) -> str:
+    """Return a range in per cent."""
+    low, high = (f"{significant(100 * edge(fractions), 2)} %" for edge in (min, max))
     return low if low == high else f"{low} to {high}"
 
 
 def verdict_line(report: Report) -> str:
-    """The verdict in a word, and where no energy was there to judge, that."""
+    """Return the verdict in a word, or that there was no energy to judge."""
     if only_sweeps(report) and report.passes:
         return "Nothing judged, a sweep states no energy"
     return "Passes" if report.passes else "Fails"
 
 
 def support(report: Report) -> str:
-    """What was taken for the support below the box; nothing where the session does not say."""
+    """Return the assumed support of the box; "" where the session does not state it."""
     kinds = report.support
     if not kinds:
         return ""
@@ -101,18 +105,18 @@ def support(report: Report) -> str:
 
 
 def reasons(report: Report) -> tuple[str, ...]:
-    """One sentence per check that held, or could not be made."""
+    """Return one sentence for each check that passed or could not be made."""
     failed = set(failures(report))
     return tuple(reason for reason in report.reasons if reason not in failed)
 
 
 def failures(report: Report) -> tuple[str, ...]:
-    """The checks that failed, which are said first."""
+    """Return the sentences of the failed checks, which come first in the report."""
     return report.failures
 
 
 def headline(report: Report) -> str:
-    """How far measurement and prediction are apart."""
+    """Return the difference between measurement and prediction."""
     if only_sweeps(report):
         return "A sweep states no energy: nothing was compared with a prediction."
     found = report.agreement
@@ -141,24 +145,24 @@ def headline(report: Report) -> str:
 
 
 def _ruled(put_in: float | None) -> str:
-    """That the losses of the box hide the prediction, where they are the larger."""
+    """Return that the losses of the box exceed the prediction, where they do."""
     if put_in is None or put_in <= 1:
         return ""
     return f": the losses of the box, which the rig file puts in, dominate with {significant(put_in, 2)} times that energy"
 
 
 def _measured(report: Report) -> str:
-    """What was measured: each of a few conditions, of more the range."""
+    """Return the measured energies: of each condition where they are few, otherwise the range."""
     rows = report.conditions
     if len(rows) > FEW:
         low, high = (significant(1e3 * edge(row.W_exp for row in rows), 3) for edge in (min, max))
         return f"W_exp is {low} to {high} mJ per cycle in {len(rows)} conditions."
-    told = [f"{row.id} {with_U(row.W_exp, row.U_W_exp, 1e3).text}" for row in rows]
-    return f"W_exp in mJ per cycle: {', '.join(told)}." if told else ""
+    each = [f"{row.id} {with_U(row.W_exp, row.U_W_exp, 1e3).text}" for row in rows]
+    return f"W_exp in mJ per cycle: {', '.join(each)}." if each else ""
 
 
 def found(report: Report) -> tuple[str, ...]:
-    """What else belongs to the verdict: the slope, the mean offset and what dominates it, refills,
+    """Return the further findings: slope, mean offset and the condition that dominates it, refills,
     claims, flags.
     """
     parts = (_on_recorded, _line, _mean_offset, _nominal, _coverage, _claims, _flags)
@@ -166,7 +170,7 @@ def found(report: Report) -> tuple[str, ...]:
 
 
 def _on_recorded(report: Report) -> str:
-    """The comparison on the recorded waveforms, where it was made."""
+    """Return the comparison with W_T on the recorded waveforms, where it was made."""
     ratio, U = report.agreement.ratio_recorded, report.agreement.U_ratio_recorded
     if ratio is None or U is None:
         return ""
@@ -176,7 +180,9 @@ def _on_recorded(report: Report) -> str:
 
 
 def _line(report: Report) -> str:
-    """The slope, or that none is stated: chi^2 has a probability below 0.1 % where a line is true."""
+    """Return the slope, or why none is stated (a true line has a chi^2 as large with a probability
+    below 0.1 %).
+    """
     found = report.agreement
     line = found.line
     if found.slope is None:
@@ -192,7 +198,7 @@ def _line(report: Report) -> str:
 
 
 def _mean_offset(report: Report) -> str:
-    """The unweighted mean, with the condition that dominates it where one does."""
+    """Return the unweighted mean offset, and the condition that dominates it where one does."""
     mean = report.agreement.mean_offset
     rows = [(row.offset, row) for row in report.conditions if row.offset is not None]
     if mean is None or not rows:
@@ -215,14 +221,14 @@ def _mean_offset(report: Report) -> str:
 
 
 def _nominal(report: Report) -> str:
-    """What W_T leaves out: it is of the nominal bed, and the mean of poured beds is another."""
-    told = [row for row in report.conditions if row.offset is not None]
-    rows = [(row.refill_mean, row.W_T or 0.0, row) for row in told if row.refill_mean is not None]
+    """Return the predicted difference between refilled beds and the nominal one, of which W_T is."""
+    stated = [row for row in report.conditions if row.offset is not None]
+    rows = [(row.refill_mean, row.W_T or 0.0, row) for row in stated if row.refill_mean is not None]
     if not rows:
         return ""
     mean = sum(W_T * refill for refill, W_T, _ in rows) / sum(W_T for _, W_T, _ in rows)
     largest, _, most = max(rows, key=lambda each: abs(each[0]))
-    if abs(largest) < TOLD:
+    if abs(largest) < MENTIONED:
         return ""
     return (
         f"W_T is that of the nominal bed. The model predicts that refilled beds take {_beyond(mean)} on average over "
@@ -231,23 +237,24 @@ def _nominal(report: Report) -> str:
     )
 
 
-def _beyond(share: float) -> str:
-    return f"{_percent(abs(share))} {'more' if share > 0 else 'less'}"
+def _beyond(relative: float) -> str:
+    """Return a relative difference in words: "2 % more"."""
+    return f"{_percent(abs(relative))} {'more' if relative > 0 else 'less'}"
 
 
 def _coverage(report: Report) -> str:
-    """What the stated intervals hold where refills scatter with a large skew, and how many refills
-    mend it.
+    """Return the coverage of the stated intervals where refills scatter with a large skew, and the
+    refills needed.
     """
     known = [
         (row.refill_coverage, row.refill_coverage_plain or 0.0, row) for row in report.conditions
     ]
-    rows = [(share, plain, row) for share, plain, row in known if share is not None]
+    rows = [(stated, plain, row) for stated, plain, row in known if stated is not None]
     if not rows:
         return ""
     shown = [
-        f"{row.id} (skew {row.refill_skew:.1f}) {100 * share:.1f} % ({100 * plain:.1f} %{_needs(row)})"
-        for share, plain, row in sorted(rows, key=lambda each: each[1])
+        f"{row.id} (skew {row.refill_skew:.1f}) {100 * stated:.1f} % ({100 * plain:.1f} %{_needs(row)})"
+        for stated, plain, row in sorted(rows, key=lambda each: each[1])
     ]
     rest = f"; no less in {len(shown) - FEW} more conditions" if len(shown) > FEW else ""
     return (
@@ -258,7 +265,7 @@ def _coverage(report: Report) -> str:
 
 
 def _needs(row: ConditionRow) -> str:
-    """How many refills Student's t needs for 93 %, where there are fewer."""
+    """Return the number of refills that Student's t needs for 93 %; "" where there are as many."""
     needed = row.refills_needed
     if needed is not None and needed <= len(row.runs):
         return ""
@@ -266,7 +273,7 @@ def _needs(row: ConditionRow) -> str:
 
 
 def _claims(report: Report) -> str:
-    """How many claims hold, do not, are undecided, were put in."""
+    """Return how many claims hold, do not hold, are undecided, and are imposed."""
     if not report.claims:
         return ""
     count = Counter(row.verdict for row in report.claims)
@@ -284,25 +291,27 @@ def _claims(report: Report) -> str:
         "undecided": "is undecided",
         "imposed": "is imposed",
     }
-    told = [
+    listed = [
         f"{count[word]} {(single if count[word] == 1 else words)[word]}"
         for word in words
         if count[word]
     ]
-    return f"Of {len(report.claims)} claims {', '.join(told)}."
+    return f"Of {len(report.claims)} claims {', '.join(listed)}."
 
 
 def _flags(report: Report) -> str:
+    """Return the flags of the session."""
     names = [entry.flag for entry in report.flags]
     return f"Flags: {', '.join(names)}." if names else "No run carries a flag."
 
 
 def _percent(value: float) -> str:
+    """Return a fraction in per cent with two significant digits."""
     return f"{significant(100 * value, 2)} %"
 
 
 def again(report: Report) -> tuple[tuple[str, str], ...]:
-    """Commands that make this report again, with what each does."""
+    """Return the commands that make this report again, with the effect of each."""
     name = re.sub(r"[^\w.-]", "_", report.protocol) or "protocol"
     again = ("rig report session.h5", "makes this report again from the record alone.")
     if not report.synthetic:

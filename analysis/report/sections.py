@@ -1,5 +1,5 @@
-"""What stands below the verdict, in the order in which it is read: page and Markdown are both made
-from it.
+"""The sections of the report below the verdict, in reading order: the source of both page and
+Markdown.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ class Section:
 
 
 def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
-    """The sections that have anything to show."""
+    """Return the sections that have content."""
 
     def part(
         title: str, plots: Sequence[Plot | None], *found: Table, sentences: Sequence[str] = ()
@@ -93,5 +93,5 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
 
 
 def plots(report: Report) -> tuple[Plot, ...]:
-    """The figures that a report has the numbers for, in the order of the page."""
+    """Return the figures for which the report has data, in the order of the page."""
     return tuple(plot for section in sections(report) for plot in section.plots)

@@ -1,4 +1,4 @@
-"""Style and table sorting of the page."""
+"""Style sheet of the page, and the script that sorts its tables."""
 
 __all__ = ["CSS", "SORT"]
 

@@ -25,14 +25,17 @@ NAMES = {"material": "material", "density": "density", "diameter": "diameter", "
 
 
 def write_comparison(found: Comparison, out_dir: Path) -> tuple[Path, ...]:
-    """Write the comparison (analysis.comparison.two_sessions.compare) into out_dir, made where
-    missing; the paths. Equal comparisons give equal bytes."""
+    """Write the comparison (analysis.comparison.two_sessions.compare) into out_dir; return the
+    paths.
+
+    out_dir is made where missing. Equal comparisons give equal bytes.
+    """
     name = " against ".join(session.name for session in reversed(found.sessions))
-    parts, told = _sections(found), comparison_sentences(found)
-    head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(told[0])}</p>", "<section class='verdict good'>",
-            f"<h2>Finding</h2><p class='result'>{escape(told[1])}</p>",
-            *(f"<p>{escape(text)}</p>" for text in told[2:]), "</section>"]  # fmt: skip
-    lines = [f"# {plain(name)}", *map(plain, told), *section_texts(parts)]
+    parts, sentences = _sections(found), comparison_sentences(found)
+    head = [f"<h1>{escape(name)}</h1>", f"<p class='lead'>{escape(sentences[0])}</p>", "<section class='verdict good'>",
+            f"<h2>Finding</h2><p class='result'>{escape(sentences[1])}</p>",
+            *(f"<p>{escape(text)}</p>" for text in sentences[2:]), "</section>"]  # fmt: skip
+    lines = [f"# {plain(name)}", *map(plain, sentences), *section_texts(parts)]
     files: dict[str, str | bytes] = {
         "comparison.csv": _csv(found),
         "comparison.md": "\n\n".join(lines) + "\n",
@@ -44,7 +47,9 @@ def write_comparison(found: Comparison, out_dir: Path) -> tuple[Path, ...]:
 
 
 def comparison_sentences(found: Comparison) -> tuple[str, ...]:
-    """What was compared, the finding, ranks, what was left out and what was assumed."""
+    """Return sentences about the sessions, the finding, the ranks, conditions left out, and
+    assumptions.
+    """
     a, b = (_who(session) for session in found.sessions)
     return tuple(
         filter(
@@ -118,7 +123,7 @@ def _ranks(found: Comparison) -> str:
     )  # fmt: skip
     text = (
         f"Ranks: Kendall's tau is {ranks.tau:.3f}{interval}; {ranks.opposite} of {ranks.orders} orders of two "
-        f"conditions are opposite, {len(ranks.decided_opposite)} of them told by both sessions"
+        f"conditions are opposite, {len(ranks.decided_opposite)} of them decided by both sessions"
     )
     some = ", ".join(ranks.decided_opposite[:5])
     return f"{text}{f' ({some})' if some else ''}."
@@ -165,14 +170,14 @@ def _sections(found: Comparison) -> tuple[Section, ...]:
 
 
 def _plots(found: Comparison) -> tuple[Plot, ...]:
-    told = [
+    stated = [
         (row, row.relative, row.U_relative or 0.0)
         for row in found.pairs
         if row.relative is not None
     ]
-    if not told:
+    if not stated:
         return ()
-    rows = [row for row, _, _ in told]
+    rows = [row for row, _, _ in stated]
     W_A, W_B = [1e3 * row.W_A for row in rows], [1e3 * row.W_B for row in rows]
     both = [*W_A, *W_B]
     against = Panel(
@@ -185,7 +190,7 @@ def _plots(found: Comparison) -> tuple[Plot, ...]:
     ends = (min(both), max(both))
     against.line(ends, ends, GREY, 1.0, "5 3")
     against.bars(W_A, W_B, [1e3 * row.U_B for row in rows], BLUE)
-    offset, U = [100 * relative for _, relative, _ in told], [100 * U for _, _, U in told]
+    offset, U = [100 * relative for _, relative, _ in stated], [100 * U for _, _, U in stated]
     limits = [y + sign * half for y, half in zip(offset, U, strict=True) for sign in (-1, 1)]
     apart = Panel(
         logarithmic(W_A),
@@ -247,7 +252,7 @@ def _pairs(found: Comparison) -> Table:
 
 
 def _setting(value: float | None, scale: float = 1.0) -> Cell:
-    """A setting as it was written, no more digits."""
+    """Return a setting with as many digits as it was written with, at most four."""
     return UNKNOWN if value is None else Cell(f"{scale * value:.4g}", scale * value)
 
 

@@ -1,1 +1,1 @@
-"""A run and a condition, evaluated."""
+"""Results of runs and conditions, and the rows of the report."""

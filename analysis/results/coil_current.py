@@ -1,11 +1,11 @@
-"""An independent estimate of the dissipated energy: from the current in the exciter's coil, without
+"""W_coil: an independent estimate of the dissipated energy from the exciter's coil current, without
 the force gauge.
 
-The coil's force BL i moves armature, flexure, body and stinger besides the box. With the exciter
+The coil's force BL i drives armature, flexure, body and stinger besides the box. With the exciter
 known, the force at the gauge plane follows from current and box acceleration, harmonic by harmonic;
-its work on the box is W_coil. Flexure tare, recoil of the body and stretch of the stinger are in
-it; left out is what lies above the band in which the current tells the force (half the resonance of
-the armature on its stinger), and everything that is not linear.
+its work on the box is W_coil. Tare of the flexure, recoil of the body and stretch of the stinger
+are included. Not included are harmonics above the band in which the current determines the force
+(half the resonance of the armature on its stinger), and nonlinear effects.
 """
 
 import math
@@ -31,14 +31,14 @@ PARTS = (
     "moving_mass", "flexure_stiffness", "flexure_damping_ratio", "body_mass", "isolation_stiffness",
     "isolation_damping_ratio", "stinger_stiffness", "stinger_damping",
 )  # fmt: skip
-STEP = 1e-4  # relative, of the differences that give sensitivities: W is smooth in every part
+STEP = 1e-4  # relative step of the central differences that give sensitivities
 
 
 def coil_force(
     current: Complex, acceleration: Complex, frequency: float, exciter: SessionExciter
 ) -> Complex:
-    """Force phasors at the gauge plane (N) from phasors of coil current (A) and box acceleration
-    (m/s^2).
+    """Return the force phasors at the gauge plane (N) from phasors of coil current (A) and box
+    acceleration (m/s^2).
 
     Harmonics 1, 2, ... of `frequency` (Hz). The exciter's equations, solved for F: m_a x_a'' + c_s
     (x_a' - x_b') + k_s (x_a - x_b) + F = BL i, m_b x_b'' + isolation - (..)_s = -BL i, F = (k_st +
@@ -63,8 +63,11 @@ def coil_force(
 def coil_of(
     current: Complex, energy: Energy, channel: ChannelFacts, exciter: SessionExciter, samples: int
 ) -> Coil:
-    """W_coil of a run from its current phasors (A) and its energies; exciter: the session's
-    document, certified values and their U. samples: in the window."""
+    """Return W_coil of a run with its budget.
+
+    current: phasors, A; energy: of the run; exciter: the session's document, certified values and
+    their U; samples: number of samples in the window.
+    """
     orders = min(current.size, int(exciter.band / energy.frequency))
     i, A = current[:orders], energy.acceleration[:orders]
     frequency = energy.frequency
@@ -76,7 +79,7 @@ def coil_of(
         return (changed(1 + STEP) - changed(1 - STEP)) / (2 * STEP)
 
     per_current = slope(lambda factor: W(exciter, factor))
-    # The gauge is used for one thing only: to say how much may lie above the band.
+    # The gauge serves for one purpose only: to bound the energy of harmonics above the band.
     above = abs(_work(energy.force[orders:], energy.acceleration[orders:], frequency, orders + 1))
     constant_U, parts_U = exciter.force_constant_U, exciter.parts_U
     lines = [
@@ -95,6 +98,7 @@ def coil_of(
         ),
         Line("above the coil's band", "J", above / math.sqrt(3), math.inf, 1.0),
     ]
+    # A quadrature of a phasor over N samples has sigma sqrt(2/N) rms; W = (pi/w^2) F a sin(phase).
     noise = exciter.force_constant * channel.noise_rms * energy.level / (4 * math.pi * frequency**2)
     return Coil(
         W(exciter), tuple(line for line in lines if line.u > 0), noise * math.sqrt(2 / samples)
@@ -102,7 +106,7 @@ def coil_of(
 
 
 def _scaled(exciter: SessionExciter, part: str, factor: float) -> SessionExciter:
-    """The exciter with one part of it changed."""
+    """Return the exciter with one of its values multiplied by a factor."""
     changed: dict[str, float] = {part: getattr(exciter, part) * factor}
     return replace(exciter, **changed)
 
@@ -110,10 +114,10 @@ def _scaled(exciter: SessionExciter, part: str, factor: float) -> SessionExciter
 def coil_estimates(
     energies: Sequence[Energy], coils: Sequence[Coil], lines: Sequence[Line], u_noise: float
 ) -> tuple[Estimate, Estimate]:
-    """W_coil of a condition, and W_coil - W_exp, J per cycle.
+    """Return W_coil of a condition, and W_coil - W_exp, J per cycle.
 
-    lines: the budget of W_exp. An error of the acceleration (scale or angle) moves both alike and
-    leaves the difference; u_noise: J, of W_exp's mean.
+    lines: the budget of W_exp; u_noise: standard uncertainty of its mean from noise, J. An error of
+    the acceleration (scale or angle) changes both equally, so it does not count in the difference.
     """
     n = len(coils)
     W = math.fsum(coil.W for coil in coils) / n
@@ -146,6 +150,8 @@ def coil_estimates(
 
 
 def _work(force: Complex, acceleration: Complex, frequency: float, first: int = 1) -> float:
-    """Closed-loop integral of F v dt, J per cycle, from phasors of harmonics first, first + 1, ..."""
+    """Return the closed integral of F v dt, J per cycle, from phasors of harmonics first, first +
+    1, ...
+    """
     omega = 2 * math.pi * frequency * np.arange(first, first + force.size)
     return -0.5 / frequency * float(((force * acceleration.conj()).imag / omega).sum())

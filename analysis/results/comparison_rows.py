@@ -47,8 +47,13 @@ class ComparedSession:
 
 @dataclass(frozen=True, slots=True)
 class ComparedPair:
-    """Two conditions with equal settings; difference: B less A, J per cycle; relative: over A, None
-    where one of both does not stand out; not_compared: settings that one of both does not know."""
+    """Two conditions with equal settings.
+
+    difference : W of B less W of A, J per cycle
+    relative : the difference over W of A; None where one of the two is below the detection limit or
+        its U
+    not_compared : settings that one of the two does not state
+    """
 
     A: str
     B: str
@@ -101,8 +106,13 @@ class OverallDifference:
 
 @dataclass(frozen=True, slots=True)
 class RankOrder:
-    """Kendall's tau over n pairs with its 95 % interval; of all orders of two conditions those that
-    are opposite, and those that both sessions decide so."""
+    """Kendall's tau over n pairs with its 95 % interval, and the rank orders of two conditions
+    each.
+
+    orders : number of orders
+    opposite : number of orders that differ between the sessions
+    decided_opposite : opposite orders in which both differences exceed their U
+    """
 
     n: Count
     tau: Tau
@@ -114,7 +124,7 @@ class RankOrder:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What differs between two sessions."""
+    """The comparison of two sessions."""
 
     schema: Annotated[str, Text((SCHEMA,))]
     sessions: tuple[ComparedSession, ComparedSession]
@@ -132,7 +142,8 @@ class Comparison:
     @classmethod
     def of(cls, document: Mapping[str, Any], name: str = "comparison.json") -> "Comparison":
         """Return the comparison that a comparison.json holds. AnalysisError with the first key that
-        is missing or wrong."""
+        is missing or wrong.
+        """
         try:
             return from_document(cls, document)
         except DocumentError as error:

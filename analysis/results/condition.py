@@ -1,5 +1,5 @@
-"""One condition's line of the report: mean over its runs, uncertainty, and what the prediction says
-at its level.
+"""The evaluation of one condition: mean over its runs, uncertainty, and the prediction at its
+level.
 """
 
 import math
@@ -37,16 +37,21 @@ __all__ = ["Result", "evaluate"]
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A condition evaluated.
+    """A condition evaluated; energies in J per cycle.
 
-    W_exp, W_T, difference (W_exp - W_T), chain (W_exp - ledger, None without truth): J per cycle.
-    lines: the budget. detect: J per cycle, below which W is not told from a phase error. predicted:
-    at the runs' measured accelerations, nothing without a prediction. coil, coil_apart: W_coil, and
-    W_coil - W_exp, where the coil's current is recorded in every run. recorded: the prediction on
-    the recorded waveforms. pairs: (W_exp, W_T) of each run, J per cycle; empty without a
-    prediction. model: W_T over its nominal value, for draws of the model's parameters; empty where
-    none were given. refills: the same for beds poured anew. mass: apparent mass, kg; loss: the loss
-    factor. beyond: there is a prediction, but not for the level of a run.
+    W_exp, W_T, difference : measured, predicted, and W_exp - W_T
+    chain : W_exp less the ledger; None without truth
+    lines : the budget
+    mass, loss : apparent mass, kg, and loss factor
+    detect : detection limit: below it W cannot be distinguished from a phase error
+    predicted : means of the prediction at the runs' measured accelerations; empty without one
+    coil, coil_apart : W_coil, and W_coil - W_exp, where the coil's current is recorded in every run
+    recorded : the prediction on the recorded waveforms
+    pairs : (W_exp, W_T) of each run; empty without a prediction
+    model : W_T over its nominal value, for draws of the model's parameters; empty where none were
+        given
+    refills : the same for refilled beds
+    beyond : there is a prediction, but not for the level of a run
     """
 
     setting: Setting
@@ -70,12 +75,12 @@ class Result:
 
     @property
     def comparable(self) -> bool:
-        """W_exp and W_T both stand out of the detection limit and of W_exp's uncertainty."""
+        """Whether W_exp and W_T both exceed the detection limit and the uncertainty of W_exp."""
         return self._stands_out(self.W_T)
 
     @property
     def comparable_recorded(self) -> bool:
-        """As `comparable`, for the prediction on the recorded waveforms."""
+        """The same for the prediction on the recorded waveforms."""
         return self._stands_out(None if self.recorded is None else self.recorded.W_T)
 
     def _stands_out(self, W_T: Estimate | None) -> bool:
@@ -83,7 +88,7 @@ class Result:
         return W_T is not None and W_T.value > 0 and min(W_T.value, self.W_exp.value) >= floor
 
     def mean(self, name: str) -> float:
-        """Mean over the runs of a number of their Energy."""
+        """Return the mean over the runs of an attribute of their Energy."""
         return math.fsum(getattr(run.energy, name) for run in self.runs) / len(self.runs)
 
     def ledger_mean(self, column: str) -> float | None:
@@ -105,8 +110,9 @@ def evaluate(
     entry: PredictionEntry | None,
     channels: Mapping[str, ChannelFacts],
 ) -> Result:
-    """Evaluate a condition from its runs (one at least) and its entry of the prediction document
-    (None for none).
+    """Evaluate a condition from its runs, at least one.
+
+    entry: of the prediction document, None for none.
     """
     force, acceleration = channels["force"], channels["acceleration"]
     n = len(runs)
@@ -114,7 +120,7 @@ def evaluate(
     reactive = math.fsum(run.energy.reactive for run in runs) / n
     predicted, totals, own = _predicted(runs, entry)
     W_T, exponent = predicted.W_T, predicted.exponent
-    # A condition measured once has no scatter: the instruments' noise stands in for it.
+    # A condition measured once has no scatter: the instruments' noise is used instead.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
     noise_line = (
         (Line("instrument noise", "J", noise, math.inf, 1.0, shared=False),) if noise > 0 else ()
@@ -173,9 +179,12 @@ def evaluate(
 def _predicted(
     runs: Sequence[RunEnergy], entry: PredictionEntry | None
 ) -> tuple[Predicted, list[float], tuple[Line, ...]]:
-    """Means over the runs of what is predicted at each run's measured acceleration, W_T of each
-    run, and the lines of the budget that are the prediction's own; nothing where a run's level is
-    beyond the prediction's."""
+    """Return the prediction of a condition, W_T of each run, and the budget lines of the
+    prediction.
+
+    Means over the runs, each at its measured acceleration. Empty without an entry, and where a
+    run's level lies outside the prediction's.
+    """
     if entry is None:
         return Predicted(), [], ()
     prediction = entry.curves()
@@ -201,8 +210,10 @@ def _predicted(
 def _chain(
     setting: Setting, W: float, runs: Sequence[RunEnergy], lines: Sequence[Line]
 ) -> Estimate | None:
-    """W_exp less the runs' own ledgers, with the uncertainty of the instruments alone. Read through
-    the stinger, W_exp holds what that loses."""
+    """Return W_exp less the runs' own ledgers, with the uncertainty of the instruments alone.
+
+    Through the stinger, W_exp includes its loss, and so does the ledger then. None without truth.
+    """
     columns = (*DISSIPATED, STINGER) if setting.through_stinger else DISSIPATED
     ledgers = [run.ledger for run in runs if run.ledger is not None]
     if len(ledgers) < len(runs):
@@ -212,9 +223,12 @@ def _chain(
 
 
 def box_distortion(run: RunEnergy, setting: Setting) -> float | None:
-    """Acceleration distortion that a real exciter's box would show: the harmonics of the bed's
-    force over the mass that they would shake, relative to the fundamental; as measured where the
-    box is on an exciter. None without motion."""
+    """Return the distortion of the box's acceleration; None without motion.
+
+    On an exciter, as measured. In prescribed motion, the distortion that a real exciter would show:
+    the harmonics of the bed's force over the mass that they would accelerate, relative to the
+    fundamental.
+    """
     energy = run.energy
     if not energy.level:
         return None

@@ -1,5 +1,7 @@
-"""A condition in the report, with its runs and its uncertainty budget. SI, energies in J per cycle,
-None for what is not known. docs/report.md has the meanings."""
+"""A condition in the report, with its runs and its uncertainty budget.
+
+SI units, energies in J per cycle, None for unknown values; docs/report.md has the meanings.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -12,7 +14,7 @@ __all__ = ["TERMS", "ConditionRow", "OffsetTerms", "RunRow", "SourceRow"]
 
 AtLeastZero = Annotated[float, Number(0.0)]
 Size = Annotated[float | None, Number(0.0)]
-"""A number from 0 on, or not known."""
+"""A number from 0 on; None: not known."""
 Share = Annotated[float | None, Number(0.0, 1.0)]
 Place = Annotated[str | None, Text(), LEFT_OUT]
 Known = Annotated[float | None, Number(), LEFT_OUT]
@@ -20,8 +22,13 @@ Known = Annotated[float | None, Number(), LEFT_OUT]
 
 @dataclass(frozen=True, slots=True)
 class SourceRow:
-    """A line of an uncertainty budget: standard uncertainty u in `unit`, sensitivity c (J per
-    unit), degrees of freedom nu (None: without bound) and the part of u^2 that it makes."""
+    """A line of an uncertainty budget.
+
+    u : standard uncertainty, in `unit`
+    c : sensitivity, J per unit
+    nu : degrees of freedom; None: without bound
+    share : fraction of the total u^2
+    """
 
     source: str
     unit: str
@@ -53,8 +60,10 @@ class RunRow:
 
 @dataclass(frozen=True, slots=True)
 class OffsetTerms:
-    """The terms of an offset, which add up to it: fractions of W_T (in
-    `analysis.comparison.offset_terms` of single runs J per cycle)."""
+    """The terms of an offset, fractions of W_T, which add up to it.
+
+    Of single runs (`analysis.comparison.offset_terms`) the same in J per cycle.
+    """
 
     noise: float
     air: float
@@ -67,7 +76,7 @@ class OffsetTerms:
     remainder: float
 
     def named(self) -> tuple[tuple[str, float], ...]:
-        """The terms with their names."""
+        """Return the terms with their names."""
         return tuple((name, getattr(self, name)) for name in TERMS)
 
 

@@ -1,15 +1,16 @@
-"""Deliberate mistakes: the wrong readings, and the rule that says beforehand how wrong each result
-comes out.
+"""Deliberate errors: the wrong readings, and for each a rule that predicts the error of the result.
 
-R = (pi/w^2) M_eff a^2 is what a phase error of 1 rad adds to W; eta = W/R the loss factor. Relative
-errors of W:
+R = (pi/w^2) M_eff a^2 is the error of W per radian of phase error; eta = W/R the loss factor.
+Relative errors of W:
 
-    pole, skew, clock   dphi/eta, dphi the lead of the acceleration (the mean, where it slides)
-    corners             dphi/eta, less what the AC coupling takes of both amplitudes cycles
-    sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta), n cycles from the drive's cycle start coil
-    pi c a^2/w^3 of the armature's flexure, over W offset              2 e/eta, e the offset over
-    the level, integrated from rest without taking off any mean friction            4 mu M g X, over
-    W
+    pole, skew, clock  dphi/eta, dphi the lead of the acceleration (its mean, where it slides)
+    corners            dphi/eta, less the fraction by which the AC coupling reduces both amplitudes
+    cycles             sin(4 pi n)/(4 pi n) - sin^2(2 pi n)/(2 pi n eta), n cycles from the start of
+                       a drive cycle
+    coil               pi c a^2/w^3 of the armature's flexure, over W
+    offset             2 e/eta, e the offset over the level, integrated from rest without removing a
+                       mean
+    friction           4 mu M g X, over W
 """
 
 import math
@@ -35,7 +36,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Words:
-    """A mistake in words: what is done, `{value}` filled in; the rule; what makes it show."""
+    """A deliberate error in words: the action with `{value}` filled in, the rule, and the sign by
+    which to notice it.
+    """
 
     what: str
     rule: str
@@ -44,7 +47,7 @@ class Words:
 
 ANGLE = "error = dphi/eta"
 NOTHING = (
-    1e-9  # loss factor of round-off: below it nothing was dissipated that an error could refer to
+    1e-9  # loss factor of round-off: below it no energy was dissipated that an error could refer to
 )
 WORDS: Mapping[str, Words] = {
     "pole": Words(
@@ -95,11 +98,11 @@ WORDS: Mapping[str, Words] = {
 def misread(
     energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array
 ) -> Energy:
-    """A window's energies with W read wrongly where the mistake lies in the reading; unchanged
-    otherwise.
+    """Return a window's energies with W read wrongly, where the deliberate error is one of the
+    reading.
 
-    force (N), acceleration (m/s^2): the window's samples as recorded, a whole number to each of
-    `energy.cycles` cycles.
+    Otherwise they are unchanged. force (N), acceleration (m/s^2): the window's samples as recorded,
+    a whole number in each of `energy.cycles` cycles.
     """
     points = force.size // energy.cycles
     step = 1 / (energy.frequency * points)
@@ -116,8 +119,8 @@ def misread(
 def _broken_cycles(
     force: Array, acceleration: Array, step: float, points: int, cycles: float
 ) -> float:
-    """W in J per cycle from the integral of F v dt over the first `cycles` cycles; means are those
-    of the window.
+    """Return W, J per cycle, from the integral of F v dt over the first `cycles` cycles; means are
+    those of the window.
     """
     velocity = integral(acceleration - acceleration.mean(), step)
     power = (force - force.mean()) * (velocity - velocity.mean())
@@ -128,7 +131,9 @@ def _broken_cycles(
 def deliberate(
     results: Sequence[Result], channels: Mapping[str, ChannelFacts]
 ) -> MistakeReport | None:
-    """What was done wrong in a session on purpose; None where nothing was."""
+    """Return the deliberate error of a session and its effect on each condition; None where there
+    is none.
+    """
     made = [
         (result, result.setting.deliberate_error)
         for result in results
@@ -151,6 +156,7 @@ def deliberate(
 def _row(
     result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
 ) -> MistakeRow:
+    """Return the effect on one condition."""
     found, name = result.W_exp.value, result.setting.id
     true = _true(result, mistake.kind)
     if true is None or not true > NOTHING * abs(result.mean("reactive")):
@@ -163,7 +169,9 @@ def _row(
 
 
 def _true(result: Result, kind: str) -> float | None:
-    """What should have been found, J per cycle, from the ledgers of the condition's runs."""
+    """Return the true energy, J per cycle, from the ledgers of the condition's runs; None without
+    them.
+    """
     ledgers = [run.ledger for run in result.runs if run.ledger is not None]
     if len(ledgers) < len(result.runs):
         return None
@@ -178,7 +186,7 @@ def _predicted(
     true: float,
     eta: float,
 ) -> float:
-    """Relative error of W by the mistake's rule."""
+    """Return the relative error of W by the rule."""
     setting, value, level = result.setting, float(mistake.value), result.mean("level")
     omega = 2 * math.pi * setting.frequency
     match mistake.kind:
@@ -193,14 +201,15 @@ def _predicted(
             moved = setting.box_mass + setting.gauge_mass + setting.bed_mass
             return 4 * value * moved * (mistake.gravity or 0.0) * level / omega**2 / true
         case "corners":
-            taken = sum((corner / setting.frequency) ** 2 for corner in _corners(mistake)) / 2
-            return _lead("corners", result, mistake, channels) / eta - taken
+            # |1/(1 - j fc/f)| = 1 - (fc/f)^2/2 to second order, for each of the two amplitudes
+            reduced = sum((corner / setting.frequency) ** 2 for corner in _corners(mistake)) / 2
+            return _lead("corners", result, mistake, channels) / eta - reduced
         case kind:
             return _lead(kind, result, mistake, channels) / eta
 
 
 def _corners(mistake: DeliberateMistake) -> tuple[float, float]:
-    """Corners of the force's and the acceleration's AC coupling, Hz."""
+    """Return the corners of the force's and the acceleration's AC coupling, Hz."""
     corner = mistake.corner or 0.0
     return corner, corner * (1 + float(mistake.value))
 
@@ -208,8 +217,8 @@ def _corners(mistake: DeliberateMistake) -> tuple[float, float]:
 def _lead(
     kind: str, result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
 ) -> float:
-    """Phase by which the mistake lets the acceleration lead, rad; the mean over the record where it
-    slides.
+    """Return the phase by which the acceleration leads because of the error, rad; its mean over the
+    record where it slides.
     """
     setting, value = result.setting, float(mistake.value)
     omega = 2 * math.pi * setting.frequency

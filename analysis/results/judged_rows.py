@@ -1,4 +1,4 @@
-"""What the report judges, one by one: claims, null tests, references."""
+"""Rows of the report about judged items: claims, null tests, references."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -14,7 +14,7 @@ Size = Annotated[float | None, Number(0.0)]
 
 @dataclass(frozen=True, slots=True)
 class CaseRow:
-    """One case of a claim; ties: values that cannot be told from the best."""
+    """One case of a claim; ties: values that do not differ significantly from the best."""
 
     at: str
     found: str
@@ -25,7 +25,7 @@ class CaseRow:
 
 @dataclass(frozen=True, slots=True)
 class ClaimRow:
-    """A claim with what was found, its cases where they are more than one."""
+    """A claim with its finding, and its cases where there are several."""
 
     claim: str
     test: str
@@ -38,7 +38,7 @@ class ClaimRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NullRow:
-    """A null test (analysis.comparison.null_tests.Null): angle dphi, rad; gain: of a loop-back,
+    """A null test (analysis.comparison.null_tests.NullTest): angle dphi, rad; gain: of a loop-back,
     relative.
     """
 
@@ -58,7 +58,7 @@ class NullRow:
 
 @dataclass(frozen=True, slots=True)
 class ReferenceRow:
-    """A reference (analysis.comparison.references.Reference)."""
+    """A reference (analysis.comparison.family_of_tests.Reference)."""
 
     reference: str
     of: str

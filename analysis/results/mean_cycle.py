@@ -1,5 +1,5 @@
-"""What one condition looks like: a mean cycle of force and acceleration by its harmonics, and W of
-every cycle.
+"""The example condition of the report: a mean cycle of force and acceleration by its harmonics, and
+W of every cycle.
 """
 
 import math
@@ -13,13 +13,13 @@ from analysis.results.waveform_rows import RunCycles, Waveforms
 
 __all__ = ["HARMONICS", "waveforms"]
 
-HARMONICS = 100  # of a cycle that are kept; enough for the steps of impacts at the size of a page
+HARMONICS = 100  # that are kept: enough for the steps of impacts at the size of a page
 DIGITS = 7
-MOST = 1000  # values of W that a run has in the report
+MOST = 1000  # values of W of a run in the report
 
 
 def waveforms(results: Sequence[Result]) -> Waveforms | None:
-    """The condition with the largest energy; None without any."""
+    """Return the waveforms of the condition with the largest energy; None without any."""
     if not results:
         return None
     top = max(results, key=lambda result: result.W_exp.value)
@@ -39,6 +39,7 @@ def waveforms(results: Sequence[Result]) -> Waveforms | None:
 
 
 def _means(W: NDArray[np.float64], each: int) -> tuple[float, ...]:
+    """Return means over groups of `each` cycles; the last group may be shorter."""
     starts = np.arange(0, W.size, each)
     return tuple(
         _short(mean)
@@ -47,8 +48,10 @@ def _means(W: NDArray[np.float64], each: int) -> tuple[float, ...]:
 
 
 def _pairs(phasors: NDArray[np.complex128]) -> tuple[tuple[float, float], ...]:
+    """Return phasors as pairs of real and imaginary part."""
     return tuple((_short(value.real), _short(value.imag)) for value in phasors.tolist())
 
 
 def _short(value: float) -> float:
+    """Return a number rounded to DIGITS significant digits."""
     return float(f"{value:.{DIGITS}g}")

@@ -1,4 +1,4 @@
-"""What the report says of a deliberately bad experiment."""
+"""Rows of the report about a deliberate error."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,14 @@ __all__ = ["MistakeReport", "MistakeRow"]
 
 @dataclass(frozen=True, slots=True)
 class MistakeRow:
-    """How wrong a condition came out. W_exp, W_true (the ledger's, over the same cycles; the bed's
-    alone where friction was taken for damping): J per cycle; error = W_exp/W_true - 1; predicted by
-    the rule, from W_true, the apparent mass and the level; ratio of both. None where the record
-    holds no truth or nothing was dissipated."""
+    """The effect of a deliberate error on one condition; energies in J per cycle.
+
+    W_true : the ledger's, over the same cycles; the bed's alone where friction was read as the
+        bed's; None without truth
+    error : W_exp/W_true - 1
+    predicted : the same by the rule, from W_true, the apparent mass and the level
+    ratio : error over predicted; None, as both, where no energy was dissipated
+    """
 
     id: str
     W_exp: float
@@ -23,7 +27,7 @@ class MistakeRow:
 
 @dataclass(frozen=True, slots=True)
 class MistakeReport:
-    """The report's `deliberate_error`: what was done wrong on purpose, and how wrong it made each
+    """The report's `deliberate_error`: the error that was made on purpose, and its effect on each
     condition.
     """
 

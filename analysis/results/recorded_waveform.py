@@ -1,6 +1,4 @@
-"""The prediction on the waveform that was recorded, beside the one on an ideal sine of the same
-fundamental.
-"""
+"""The prediction on the recorded waveform, beside the one on an ideal sine of the same fundamental."""
 
 import math
 from collections.abc import Sequence
@@ -13,14 +11,23 @@ from analysis.uncertainty.estimate import Estimate
 
 __all__ = ["Recorded", "on_recorded"]
 
-NUMERICS = 5e-3  # relative standard uncertainty: rows without a period, averaged over the recorded cycles (tests)
-EXPONENT = 2.5  # dlnW_T/dlna where no prediction on a sine tells it: between 2 and 4, acts on u of the acceleration only
+NUMERICS = 5e-3
+"""Relative standard uncertainty of W_T averaged over the recorded cycles, for rows of grains without a
+periodic motion (found by tests)."""
+EXPONENT = 2.5
+"""dlnW_T/dlna where no prediction on a sine gives it. It lies between 2 and 4 and only scales the
+contribution of the accelerometer to u."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """W_T: mean over the runs of W_T on each one's waveform; difference: W_exp - W_T. J per cycle.
-    lines: the budget, c_T being the derivatives of this W_T. pairs: (W_exp, W_T) of each run."""
+    """The prediction of a condition on its recorded waveforms; energies in J per cycle.
+
+    W_T : mean over the runs, each on its own waveform
+    difference : W_exp - W_T
+    lines : the budget; its c_T are derivatives of this W_T
+    pairs : (W_exp, W_T) of each run
+    """
 
     W_T: Estimate
     difference: Estimate
@@ -35,12 +42,12 @@ def on_recorded(
     exponent: float | None,
     refills: Sequence[float] = (),
 ) -> Recorded | None:
-    """The recorded waveforms' W_T of a condition with a mean W (J per cycle); None where it is not
-    known of every run.
+    """Return W_T on the recorded waveforms of a condition; None where a run lacks it.
 
-    lines: of W_exp. The waveform is read with the accelerometer, so that its scale error moves this
-    W_T as it moves the one on a sine. refills: energies of poured beds over the nominal one's,
-    which this W_T is of as well.
+    W: mean of W_exp, J per cycle; lines: its budget; exponent: dlnW_T/dlna. The accelerometer
+    recorded the waveform, so that its scale error changes this W_T as it changes the one on a sine.
+    refills: energies of refilled beds over the nominal one's; this W_T too is that of the nominal
+    bed.
     """
     known = [
         run.recorded for run in runs if run.recorded is not None and math.isfinite(run.recorded)
@@ -59,7 +66,8 @@ def on_recorded(
         )
         for line in lines
     ]
-    # what a bed went through before is much the same in every run: no root of their number
+    # The history of the bed before the record is much the same in every run: its uncertainty does
+    # not fall with the root of their number.
     history = math.fsum(run.u_recorded for run in runs) / len(runs)
     own.append(Line("history of the bed", "J", history, math.inf, 0.0, 1.0, shared=False))
     own.append(

@@ -1,5 +1,6 @@
-"""The report of a session: what every writer is made from. Its fields are the keys of report.json,
-whose meanings are in docs/report.md."""
+"""The report of a session, the source of every writer: its fields are the keys of report.json,
+whose meanings are in docs/report.md.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,15 +35,17 @@ Size = Annotated[float | None, Number(0.0)]
 
 @dataclass(frozen=True, slots=True)
 class LedgerCheck:
-    """closure_max: largest relative error of the rig's energy account; None without truth."""
+    """The check of the rig's energy account; closure_max: its largest relative error, None without
+    truth.
+    """
 
     closure_max: Size
 
 
 @dataclass(frozen=True, slots=True)
 class MeasurementChain:
-    """Conditions in which W_exp agrees with the rig's own ledger, as a fraction, and the fraction
-    that is needed.
+    """The chain comparison: fraction of the conditions in which W_exp agrees with the rig's own
+    ledger, and the fraction needed.
     """
 
     share: Annotated[float | None, Number(0.0, 1.0)]
@@ -51,7 +54,7 @@ class MeasurementChain:
 
 @dataclass(frozen=True, slots=True)
 class FlagRow:
-    """A flag, the runs that carry it, and the most that was used of a limit (1: at it)."""
+    """A flag, the runs that carry it, and the largest utilisation of a limit (1: at the limit)."""
 
     flag: str
     worst: float | None
@@ -82,19 +85,21 @@ class InstrumentRow:
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
-    """Protocol and rig file written out, with which the session can be repeated."""
+    """Protocol and rig file written out, from which the session can be repeated."""
 
     protocol: Annotated[str | None, LEFT_OUT] = None
     rig: Annotated[str | None, LEFT_OUT] = None
 
     def files(self) -> tuple[tuple[str, str], ...]:
-        """The documents that are there, by name."""
+        """Return the documents that are present, by name."""
         return tuple(to_document(self).items())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """What was tested, the conditions, their agreement with W_T, and the verdict."""
+    """The report of a session: what was tested, the conditions, their agreement with W_T, the
+    verdict.
+    """
 
     schema: Annotated[str, Text((SCHEMA,))]
     protocol: str

@@ -1,4 +1,4 @@
-"""What the analysis makes of one run."""
+"""The energies of one run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,8 +11,12 @@ __all__ = ["Coil", "RunEnergy"]
 
 @dataclass(frozen=True, eq=False)
 class Coil:
-    """W: J per cycle, work at the gauge plane as the coil's current tells it. lines: its budget
-    beside acceleration and scatter. u_noise: J, from the current's noise."""
+    """Energy at the gauge plane from the coil's current.
+
+    W : J per cycle
+    lines : its budget, except acceleration and scatter
+    u_noise : standard uncertainty from the current's noise, J
+    """
 
     W: float
     lines: tuple[Line, ...]
@@ -23,15 +27,17 @@ class Coil:
 class RunEnergy:
     """Energies of one run.
 
-    flags: names of quality bits in the window and of limits exceeded. u_noise: J per cycle,
-    standard deviation of W from the instruments' noise. ledger: true energies in J per cycle, means
-    over the same cycles (simulated sessions only); its `closure` is the largest relative error of
-    the account. use: shares of the exciter's limits (1 = at it). coil: energy as the coil's current
-    tells it, None where that is not recorded. at_box: the same run compensated for place and mass
-    of the gauge, None where the stinger is not known. recorded: what is predicted on the waveform
-    that this run recorded, J per cycle, None where it was not computed; u_recorded: its standard
-    uncertainty from what the bed went through before. clip_ratio: share of samples at a rail, of
-    the channel that has most.
+    flags : names of quality bits in the window and of exceeded limits
+    u_noise : standard deviation of W from the instruments' noise, J per cycle
+    ledger : true energies, means over the same cycles, J per cycle (simulated sessions only); its
+        `closure` is the largest relative error of the account
+    use : utilisation of the exciter's limits (1: at the limit)
+    coil : energy from the coil's current; None where it is not recorded
+    at_box : the run corrected to the box; None where the stinger is not known
+    recorded : W_T predicted on the waveform of this run, J per cycle; None where it was not
+        computed
+    u_recorded : standard uncertainty of `recorded` from the unknown history of the bed
+    clip_ratio : fraction of samples at a rail, of the channel with most
     """
 
     run: str

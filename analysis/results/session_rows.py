@@ -14,7 +14,7 @@ From = Annotated[str | None, Text(("run", "computed"))]
 
 @dataclass(frozen=True, slots=True)
 class LineRow:
-    """A straight line through W_exp against W_T; where none is likely chi^2 alone."""
+    """A straight line through W_exp against W_T; chi^2 alone where no line is likely."""
 
     slope: float | None
     U_slope: float | None
@@ -26,9 +26,13 @@ class LineRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementRow:
-    """Energy-weighted ratio of W_exp and W_T with its U, slope through the origin, line, mean
-    offset of n conditions; put_in: losses that the rig file adds, as a fraction of the predicted
-    energy; `.._recorded`: with W_T on the recorded waveforms."""
+    """The agreement of all conditions.
+
+    ratio, slope, line, mean_offset : see `analysis.comparison.pooled_results`; mean_offset is that
+        of n conditions
+    put_in : losses that the rig file adds, as a fraction of the predicted energy
+    ratio_recorded, put_in_recorded : the same with W_T on the recorded waveforms
+    """
 
     ratio: float | None
     U_ratio: Size
@@ -47,8 +51,8 @@ class AgreementRow:
 
 @dataclass(frozen=True, slots=True)
 class ComparisonRow:
-    """One of the three comparisons: W_exp against what, of n conditions how many within U, and what
-    it cannot tell.
+    """One of the three comparisons: W_exp against what, the number of conditions and of those
+    within U, and the limits of the comparison.
     """
 
     comparison: str
@@ -60,7 +64,7 @@ class ComparisonRow:
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Exponents with which a cause grows; None where the run cannot tell."""
+    """Exponents with which a cause grows; None where the session cannot show them."""
 
     acceleration: float | None
     mass: float | None
@@ -77,10 +81,15 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class CauseRow:
-    """share: of W_T, weighted with energy; empty and locked: energy left in the empty box and in a
-    locked bed over the largest W_T at the same level, from the run or computed;
-    over_first_principles: the loss's coefficient over its size by first principles, None for other
-    causes and where nobody computed it."""
+    """A candidate cause of an offset, with the marks that distinguish it.
+
+    share : fraction of W_T, weighted with energy
+    empty, locked : energy in the empty box and with a locked bed over the largest W_T at the same
+        level
+    empty_from, locked_from : "run" where it was observed, "computed" from the closed form
+    over_first_principles : the loss's coefficient over its value by first principles; None for
+        other causes and where the session does not state it
+    """
 
     cause: str
     law: str

@@ -1,4 +1,4 @@
-"""What one condition looks like, in the report."""
+"""Rows of the report about the example condition: its waveforms and W of every cycle."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -19,9 +19,13 @@ class RunCycles:
 
 @dataclass(frozen=True, slots=True)
 class Waveforms:
-    """Phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2, ... of a condition's
-    first run's mean cycle, and W of each cycle of all its runs; of long ones means over
-    `cycles_each` cycles, the last of what is left."""
+    """The mean cycle of a condition's first run, and W of each cycle of all its runs.
+
+    force, acceleration : phasors (peak, real and imaginary part, N and m/s^2) of harmonics 1, 2,
+        ...
+    cycles_each : number of cycles that each value of W is the mean of; the last value of a run may
+        be of fewer
+    """
 
     condition: str
     run: str

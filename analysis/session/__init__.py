@@ -1,1 +1,1 @@
-"""What is needed of a record: its interface, its settings, its documents."""
+"""Interface to a recorded session: its runs and channels, its settings, its documents."""

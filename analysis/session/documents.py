@@ -1,5 +1,6 @@
-"""What the analysis asks of the documents in a session, and the check: anybody may have written
-them.
+"""Schemas of the JSON documents in a session, and their validation.
+
+Documents are validated before use, because other software may have written them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,6 +31,7 @@ __all__ = [
 
 T = TypeVar("T")
 
+# Of each kind of claim the number of limits, and the least number of values.
 LIMITS = {"nonlinear": 1, "nearly_zero": 1, "offset_within": 2}
 VALUES = {"nearly_zero": 2, "rise": 2, "fall": 2}
 
@@ -42,19 +44,21 @@ DOCUMENTS: Mapping[str, Shape] = {
     "fidelity": shape_of(Fidelity),
     "provenance": Keys({}),
 }
-"""The session's documents by name (docs/session-format.md). Others are free, and so are further
-keys in these.
+"""Schemas of the session's documents by name (docs/session-format.md). Other documents may be
+there, and further keys in these.
 """
 
 TRUTHS: Mapping[str, Shape] = {
     "instruments": shape_of(TrueInstruments),
     "clock": shape_of(TrueClock),
 }
-"""The documents of `session/truth`."""
+"""Schemas of the documents of `session/truth`."""
 
 
 def deviations_of(name: str, value: Any) -> Iterator[str]:
-    """What is wrong with a document of the session (None: there is none, which is right)."""
+    """Yield the deviations of a session's document from its schema; none for a missing document
+    (None).
+    """
     if value is None or name not in DOCUMENTS:
         return
     value = today(name, value)
@@ -72,8 +76,8 @@ def today(name: str, value: Any) -> Any:
 
 
 def checked(name: str, value: Any) -> Any:
-    """A document of the session as it is. AnalysisError with its first deviation where it is not of
-    its shape.
+    """Return a document of the session unchanged. AnalysisError with its first deviation where it
+    has any.
     """
     for sentence in deviations_of(name, value):
         raise AnalysisError(f"the session's document {sentence}")
@@ -81,14 +85,16 @@ def checked(name: str, value: Any) -> Any:
 
 
 def document_as(cls: type[T], name: str, value: Any) -> T | None:
-    """A document of the session as a value of its class; None where there is none. AnalysisError as
-    for `checked`.
+    """Return a document of the session as a value of its class; None where there is none.
+    AnalysisError as for `checked`.
     """
     return None if checked(name, value) is None else built(cls, today(name, value))
 
 
 def truth_as(cls: type[T], name: str, truth: Truth) -> T | None:
-    """The same of a document of the truth."""
+    """Return a document of the truth as a value of its class; None where there is none.
+    AnalysisError as for `checked`.
+    """
     value = truth.document(name)
     for sentence in deviations(value, TRUTHS[name], f"truth/{name}") if value is not None else ():
         raise AnalysisError(f"the session's document {sentence}")
@@ -96,8 +102,8 @@ def truth_as(cls: type[T], name: str, truth: Truth) -> T | None:
 
 
 def session_document_deviations(record: "Record") -> Iterator[str]:
-    """Every deviation in the documents of a session that the analysis reads; those that are no JSON
-    are passed over.
+    """Yield every deviation in the documents of a session that the analysis reads; documents that
+    are no JSON are skipped.
     """
     for name in DOCUMENTS:
         yield from deviations_of(name, _readable(record.document, name))
@@ -108,6 +114,7 @@ def session_document_deviations(record: "Record") -> Iterator[str]:
 
 
 def _readable(document: Callable[[str], Any], name: str) -> Any:
+    """Return a document; None where it is missing or no JSON."""
     from daq.session.plan import SessionError
 
     try:
@@ -117,7 +124,7 @@ def _readable(document: Callable[[str], Any], name: str) -> Any:
 
 
 def _claims(claims: Sequence[ExpectedClaim]) -> Iterator[str]:
-    """Each kind of claim has so many limits and names at least so many values."""
+    """Yield the claims that have too few values or the wrong number of limits for their kind."""
     for position, claim in enumerate(claims):
         kind, place = claim.kind, f"protocol.expect[{position}]"
         if len(claim.limits) != LIMITS.get(kind, len(claim.limits)):

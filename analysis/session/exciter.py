@@ -1,6 +1,4 @@
-"""What a session says of its exciter, and of the true state of its instruments where it was
-simulated.
-"""
+"""The documents of a session about its exciter and about the true state of its instruments."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -15,8 +13,11 @@ Part = Annotated[float, Number(0.0, 1e9)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionExciter:
-    """The document `exciter`, SI, certified values; force_constant_U, parts_U: their expanded
-    uncertainties (k = 2), relative; band: Hz, up to which the coil's current tells the force."""
+    """The document `exciter`: certified values, SI units.
+
+    force_constant_U, parts_U : their expanded uncertainties (k = 2), relative
+    band : frequency up to which the coil's current determines the force, Hz
+    """
 
     force_constant: Thing
     band: Thing
@@ -34,8 +35,14 @@ class SessionExciter:
 
 @dataclass(frozen=True, slots=True)
 class TrueState:
-    """The actual state of a channel: sensitivity (V per unit), time constant (s, None for DC),
-    gain, corner of the coupling (Hz, None for DC) and skew (s)."""
+    """The true state of a channel.
+
+    sensitivity : V per unit
+    time_constant : s; None for DC
+    gain : of the amplifier
+    corner : of the AC coupling, Hz; None for DC
+    skew : s
+    """
 
     sensitivity: Thing
     time_constant: Annotated[float | None, Number(0.0, above=True)]
@@ -54,6 +61,6 @@ class TrueInstruments:
 
 @dataclass(frozen=True, slots=True)
 class TrueClock:
-    """The document `clock` of the truth: its relative error."""
+    """The document `clock` of the truth; error: relative."""
 
     error: Annotated[float, Number(-0.5, 0.5)]

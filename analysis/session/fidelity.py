@@ -1,6 +1,4 @@
-"""How finely and how long each condition was simulated, where a tolerance decided it (document
-`fidelity`).
-"""
+"""Resolution and length of each simulation where a tolerance chose them: the document `fidelity`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +16,13 @@ Told = Annotated[float | None, Number(), LEFT_OUT]
 
 @dataclass(frozen=True, slots=True)
 class CycleCounts:
-    """Cycles that were run, as written and fully resolved; planning: to find the choice, once."""
+    """Numbers of cycles computed.
+
+    auto : with the chosen resolution
+    written : with the values in the protocol
+    resolved : at full resolution
+    planning : to find the choice, once
+    """
 
     auto: float
     written: float
@@ -28,8 +32,10 @@ class CycleCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChosenFidelity:
-    """What was chosen for a condition, and the error that it predicts, relative to W; why the
-    tolerance is not met.
+    """The choice for one condition and its predicted error, relative to W.
+
+    rows, settle, record : rows per layer, cycles to settle and to record
+    met, why : whether the tolerance is met; if not, why
     """
 
     id: str
@@ -54,8 +60,8 @@ class ChosenFidelity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fidelity:
-    """The choices of a session and what they cost; rows_share: part of the tolerance that rows may
-    take.
+    """The choices of a session and their cost; rows_share: fraction of the tolerance that the
+    number of rows may use up.
     """
 
     mode: Annotated[str | None, LEFT_OUT] = None

@@ -1,4 +1,4 @@
-"""Names of the first edition in sessions that were recorded with it, and what they are today.
+"""Names of the first edition in sessions that were recorded with it, and their names of today.
 
 A session stays as it was written; whoever reads its conditions or its prediction reads today's
 names.
@@ -23,7 +23,9 @@ PATHS: Mapping[str, str] = {
     "allow_undersampled": "paper_rule",
 }
 FIRST = ("allow_undersampled: ", "refill_play: ")
-"""Keys that every protocol, or every rig, has which the first edition wrote out."""
+"""Keys by which a file of the first edition is recognised: it wrote one of them into every protocol
+and every rig file.
+"""
 
 WRITTEN = (
     (r"\bmode: servo\b", "mode: prescribed"),
@@ -59,7 +61,7 @@ def condition_today(condition: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def prediction_today(document: Any) -> Any:
-    """Return a session's prediction with today's keys; whatever is no prediction as it is."""
+    """Return a session's prediction with today's keys; anything else unchanged."""
     conditions = document.get("conditions") if isinstance(document, Mapping) else None
     if not isinstance(conditions, Mapping):
         return document
@@ -82,8 +84,8 @@ def rig_today(document: Any) -> Any:
 
 
 def text_today(text: str | None) -> str | None:
-    """Return a protocol or rig file that a session holds, written out by the first edition, with
-    today's names, so that it can be run again.
+    """Return a protocol or rig file that the first edition wrote out, with today's names, so that
+    it can be run again.
     """
     if not text or not any(key in text for key in FIRST):
         return text
@@ -98,6 +100,7 @@ def path_today(path: str) -> str:
 
 
 def _value_today(value: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a value of a rig document with today's path, and today's word where it is one."""
     path = value.get("path")
     if not isinstance(path, str):
         return dict(value)

@@ -1,4 +1,4 @@
-"""Names of columns in a simulated session's ledger."""
+"""Names of columns in the ledger of a simulated session."""
 
 DISSIPATED = (
     "W_f",
@@ -11,7 +11,7 @@ DISSIPATED = (
     "dKE_bed",
     "dKE_box",
 )
-"""Ledger columns that add up to what the gauge should see over whole cycles, J per cycle."""
-STINGER = "W_stinger"  # ledger column: what the stinger loses
-EXACT = "W_exact"  # ledger column: what the same bed takes in the exact waveform of the level reached (ablation)
-CLOSURE = "closure"  # ledger column: relative error of the account
+"""Ledger columns whose sum the gauge should read over whole cycles, J per cycle."""
+STINGER = "W_stinger"  # energy that the stinger dissipates
+EXACT = "W_exact"  # energy of the same bed in an exact sine of the level reached (ablation)
+CLOSURE = "closure"  # relative error of the energy account

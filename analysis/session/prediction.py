@@ -8,28 +8,28 @@ from dataclasses import dataclass
 __all__ = ["BEYOND", "Curve", "Given", "Predicted", "SessionPrediction", "middle"]
 
 CLOSE = 0.01
-"""How far from an acceleration, relative, all points tell of the slope there: as far as the
-measured one may be off.
+"""Relative distance from an acceleration within which all points count for the slope: the measured
+acceleration may be off by as much.
 """
 
 NEAR, EITHER_SIDE = 0.04, 3
-"""Where fewer are close, so many points to either side tell of it, as far off as that: W is rough
-from one to the next. More would hide a slope that changes within a hundredth, as a single mass's
-does beside a jump to another orbit."""
+"""Where fewer points are that close: relative distance within which points count, and their
+greatest number on either side, because W is rough from point to point. More points would hide a
+slope that changes within 1 %, as that of a single mass does near a jump to another orbit.
+"""
 
 BEYOND = 0.1
-"""How far outside its tabulated accelerations, relative, a W_T is still read: a table about one
-level tells no more.
+"""Relative distance outside the tabulated accelerations up to which W_T is still extrapolated: a
+table about one level supports no more.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """W (J per cycle) tabulated at increasing accelerations (m/s^2); log-log between them and
-    beyond the ends.
+    """W (J per cycle) tabulated at increasing accelerations (m/s^2), a power law between the points
+    and beyond the ends.
 
-    A stretch with a zero at one end is linear instead and zero outside it: a logarithm has no place
-    there.
+    Next to a zero the curve is linear, and zero beyond it, because zero has no logarithm.
     """
 
     accelerations: tuple[float, ...]
@@ -37,7 +37,7 @@ class Curve:
 
     @classmethod
     def of(cls, accelerations: Sequence[float], values: Sequence[float]) -> "Curve":
-        """A curve from a table in any order. ValueError where it is not a table of positive
+        """Return a curve from a table in any order. ValueError where it is not a table of positive
         accelerations.
         """
         if len(accelerations) != len(values) or not values or min(accelerations) <= 0:
@@ -48,11 +48,12 @@ class Curve:
         return cls(tuple(a for a, _ in pairs), tuple(w for _, w in pairs))
 
     def _stretch(self, a: float) -> int:
+        """Return the index of the interval that contains a, or is nearest to it."""
         inner = sum(1 for x in self.accelerations[1:-1] if x <= a)
         return min(inner, len(self.values) - 2)
 
     def __call__(self, a: float) -> float:
-        """W at acceleration a (m/s^2), J per cycle."""
+        """Return W at acceleration a (m/s^2), J per cycle."""
         if len(self.values) == 1:
             return self.values[0]
         i = self._stretch(a)
@@ -63,21 +64,23 @@ class Curve:
         return w0 + (w1 - w0) * between
 
     def reaches(self, a: float) -> bool:
-        """Whether acceleration a (m/s^2) is tabulated, or at most BEYOND outside the table."""
+        """Return whether acceleration a (m/s^2) is tabulated, or at most BEYOND outside the table."""
         return self.accelerations[0] * (1 - BEYOND) <= a <= self.accelerations[-1] * (1 + BEYOND)
 
     def exponent(self, a: float) -> float | None:
-        """n = dlnW / dlna at a, a fit to the neighbouring points and all that tell of it (`CLOSE`,
-        `NEAR`); None where W is zero or a single point is known."""
+        """Return n = dlnW / dlna at a, the slope of a line through nearby points (`CLOSE`, `NEAR`).
+
+        None where W is zero or a single point is known.
+        """
         if len(self.values) == 1 or self(a) <= 0:
             return None
         i = self._stretch(a)
-        # About the nearest tabulated point, where that has neighbours on both sides.
+        # Points around the nearest one, so that they lie on both sides of it where possible.
         near = i if abs(self.accelerations[i] - a) < abs(self.accelerations[i + 1] - a) else i + 1
         low, high = max(near - 1, 0), min(near + 1, len(self.values) - 1)
-        while low > 0 and self._tells(a, low - 1, near):
+        while low > 0 and self._counts(a, low - 1, near):
             low -= 1
-        while high + 1 < len(self.values) and self._tells(a, high + 1, near):
+        while high + 1 < len(self.values) and self._counts(a, high + 1, near):
             high += 1
         if min(self.values[low : high + 1]) <= 0:
             low, high = i, i + 1
@@ -88,8 +91,10 @@ class Curve:
         )
         return statistics.linear_regression(x, y).slope
 
-    def _tells(self, a: float, place: int, near: int) -> bool:
-        """Whether a point tells of the slope at a, whose nearest point is `near`."""
+    def _counts(self, a: float, place: int, near: int) -> bool:
+        """Return whether a point is near enough to a for its slope; near: index of the nearest
+        point.
+        """
         apart = abs(self.accelerations[place] / a - 1)
         return apart <= CLOSE or (apart <= NEAR and abs(place - near) <= EITHER_SIDE)
 
@@ -100,8 +105,10 @@ Given = float | tuple[float, ...] | None
 
 @dataclass(frozen=True, slots=True)
 class Predicted:
-    """What is predicted of a condition, means over its runs, each at its measured acceleration: J
-    per cycle; exponent: dlnW_T/dlna. None for what is not known."""
+    """The prediction of a condition, means over its runs, each at its measured acceleration.
+
+    Energies in J per cycle; exponent: dlnW_T/dlna. None for unknown values.
+    """
 
     W_T: float | None = None
     W_f: float | None = None
@@ -115,7 +122,7 @@ class Predicted:
 
 @dataclass(frozen=True, slots=True)
 class SessionPrediction:
-    """The prediction for one condition as curves, with the relative standard uncertainties of its
+    """The prediction of one condition as curves, with the relative standard uncertainties of its
     entry.
     """
 
@@ -128,8 +135,8 @@ class SessionPrediction:
 
 
 def middle(value: Given, accelerations: Sequence[float]) -> float | None:
-    """A number given once, or as a list beside the accelerations (then the one at the middle
-    acceleration).
+    """Return a number that is given once, or of a list beside the accelerations the one at their
+    median.
     """
     if isinstance(value, tuple):
         order = sorted(range(len(accelerations)), key=accelerations.__getitem__)

@@ -1,6 +1,4 @@
-"""The prediction in a session's documents: plain numbers, so that a laboratory's own can take its
-place.
-"""
+"""The document `prediction` of a session: plain numbers, so that a laboratory can supply its own."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -21,12 +19,13 @@ Ratios = Annotated[tuple[float, ...], List(Number(0.0, 1e6))]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PredictionEntry:
-    """An entry of the session's document `prediction`: W_T, and W_f and W_c where they are known,
-    at accelerations.
+    """The prediction of one condition: W_T at accelerations (m/s^2), and W_f and W_c where they are
+    known; J per cycle.
 
-    Relative standard uncertainties: u_rel of its numerics, u_levels of reading it between levels,
-    u_settling of what a record holds beside the steady state that is predicted. model: W_T over its
-    nominal value, for draws of the model's parameters; refills: the same for beds poured anew.
+    u_rel, u_levels, u_settling : relative standard uncertainties of the numerics, of interpolation
+        between levels, and of the difference between the record and the predicted steady state
+    model : W_T over its nominal value, for draws of the model's parameters
+    refills : the same for refilled beds
     """
 
     acceleration: Annotated[tuple[float, ...], List(Number(0.0, above=True), least=1)]
@@ -44,7 +43,7 @@ class PredictionEntry:
     periodic_share: Given = None
 
     def curves(self) -> SessionPrediction:
-        """The prediction as curves."""
+        """Return the prediction as curves."""
         a = self.acceleration
         absent = [0.0] * len(a)
         return SessionPrediction(
@@ -64,11 +63,11 @@ PREDICTION = Keys(
         )
     }
 )
-"""The session's document."""
+"""Schema of the session's document `prediction`."""
 
 
 def entries_of(document: Mapping[str, Any] | None) -> dict[str, PredictionEntry]:
-    """The entries of a prediction by condition. AnalysisError with the first deviation."""
+    """Return the entries of a prediction by condition. AnalysisError with the first deviation."""
     if not document:
         return {}
     document = prediction_today(document)

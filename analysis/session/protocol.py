@@ -1,4 +1,4 @@
-"""What a session says of its protocol and its rig file."""
+"""The documents of a session about its protocol and its rig file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,9 +38,16 @@ class ClaimCase:
 
 @dataclass(frozen=True, slots=True)
 class ExpectedClaim:
-    """A claim as the session holds it: words, kind of test, the field that it is about and the one
-    that is averaged over ("" for none), values named, limits fixed beforehand, why it is imposed
-    ("" where it is not)."""
+    """A claim in the session's document.
+
+    claim : in words
+    kind : of test
+    about : the field that it is about
+    over : the field that is averaged over; "" for none
+    values : the values that it names
+    limits : margins, fixed beforehand
+    imposed : why it holds by construction; "" where it does not
+    """
 
     claim: str
     kind: Annotated[str, Text(KINDS)]
@@ -54,7 +61,7 @@ class ExpectedClaim:
 
 @dataclass(frozen=True, slots=True)
 class SessionProtocol:
-    """The document `protocol`; resolved: written out in full."""
+    """The document `protocol`; resolved: the protocol written out in full."""
 
     name: str = ""
     question: str = ""
@@ -64,7 +71,7 @@ class SessionProtocol:
 
 @dataclass(frozen=True, slots=True)
 class RigValue:
-    """A value of the rig file, with where it comes from."""
+    """A value of the rig file, with its status and source."""
 
     path: str
     value: float | str | tuple[float, ...] | None = None

@@ -1,4 +1,4 @@
-"""What the analysis needs of a record: any source of records may offer the same."""
+"""The interface of a record: any source of records may implement it."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol
@@ -8,12 +8,27 @@ from numpy.typing import NDArray
 
 
 class AnalysisError(Exception):
-    """A record or a run cannot be analysed; the message says which and why."""
+    """A record or a run that cannot be analysed; the message says which one and why."""
 
 
 class ChannelFacts(Protocol):
-    """The row of the channel table that corrections and uncertainties are made from (certified
-    values, SI).
+    """A row of the channel table: certified values, SI units.
+
+    scale : V per code
+    sensitivity : V per unit
+    time_constant, time_constant_spread : of the sensor's high pass, s (None for DC), and standard
+        deviation of its logarithm
+    time_constants : of all high-pass poles, s
+    filter_delay : samples by which the record lags the signal
+    skew, skew_tolerance : s
+    calibration_U : relative expanded uncertainty of the sensitivity (k = 2)
+    gain_tolerance : relative half-width
+    clock_ppm : half-width
+    noise_rms : unit
+    flicker : density of 1/f noise at 1 Hz, unit/sqrt(Hz)
+    corner, corner_tolerance : of the AC coupling, Hz, and relative half-width
+    full_scale, linearity : unit, and largest deviation as a fraction of it
+    clips_at : V at which the sensor's own amplifier clips; 0 for none
     """
 
     @property
@@ -61,7 +76,7 @@ class ChannelFacts(Protocol):
 
 
 class RunFacts(Protocol):
-    """A run as the record lists it."""
+    """A run in the list of a record; rate: Hz; flags: quality bits of all its blocks."""
 
     @property
     def name(self) -> str: ...
@@ -82,7 +97,7 @@ class RunFacts(Protocol):
 
 
 class Signal(Protocol):
-    """Samples in engineering units, with the quality bits of the blocks they came in."""
+    """Samples in engineering units, with the quality bits of their blocks."""
 
     @property
     def samples(self) -> NDArray[np.float64]: ...
@@ -91,7 +106,7 @@ class Signal(Protocol):
 
 
 class Truth(Protocol):
-    """What only a simulated session knows."""
+    """The truth of a simulated session: ledgers and the true states of its instruments."""
 
     def ledger(
         self, run: str, start: int = 0, stop: int | None = None
@@ -100,9 +115,7 @@ class Truth(Protocol):
 
 
 class RecordedSession(Protocol):
-    """The part of daq.session.record.Record that is read here; any source of records may offer the
-    same.
-    """
+    """The part of daq.session.record.Record that the analysis reads."""
 
     @property
     def runs(self) -> tuple[RunFacts, ...]: ...

@@ -1,4 +1,4 @@
-"""A condition as a session's document states it, checked."""
+"""The setting of a condition, read from the session's document and validated."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from analysis.session.record import AnalysisError
 from daq.documents.classes import LEFT_OUT, built, shape_of
 from daq.documents.shapes import Choice, Keys, Number, Text, deviations
 
-LOOP_BACK = "loop_back"  # a bed that is none: one voltage at both inputs
+LOOP_BACK = "loop_back"  # no bed: one voltage at both inputs
 
 SIZE, MASS = Number(0.0, 1e9), Number(0.0, 1e9)
 ONE = Number(1e-9, 1e9)
@@ -34,8 +34,11 @@ MISTAKE = Choice(
 
 @dataclass(frozen=True, slots=True)
 class DeliberateMistake:
-    """What is deliberately done wrong (analysis.results.deliberate_errors): its kind, how much of
-    it, and what else that kind states: corner (Hz), delay (s), gravity (m/s^2)."""
+    """A deliberate error (analysis.results.deliberate_errors).
+
+    value : its size
+    corner, delay, gravity : further values that some kinds state, Hz, s and m/s^2
+    """
 
     kind: str
     value: float
@@ -46,8 +49,8 @@ class DeliberateMistake:
 
 @dataclass(frozen=True, slots=True)
 class GasDrag:
-    """Whether drag of the gas between the grains is switched on, and its largest value over the
-    bed's weight.
+    """The drag of the gas between the grains: whether it is switched on, and its largest value over
+    the bed's weight.
     """
 
     on: bool
@@ -56,7 +59,9 @@ class GasDrag:
 
 @dataclass(frozen=True, slots=True)
 class FirstPrinciples:
-    """Coefficients of the losses `noise` and `air` over what sound and drag of the box make them."""
+    """Coefficients of the losses `noise` and `air` over their values by first principles (sound
+    radiation and drag of the box).
+    """
 
     noise: Annotated[float, Number(0.0)]
     air: Annotated[float, Number(0.0)]
@@ -64,14 +69,15 @@ class FirstPrinciples:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A condition: what was set, as the session says. SI units, None for what nobody wrote down.
+    """The setting of a condition, SI units; None for values that nobody wrote down.
 
-    carried: a bed is there but nothing in it can slide; dashpot_c: N s/m of a dashpot, None for
-    other beds; deliberate_error: what is deliberately done wrong
-    (analysis.results.deliberate_errors); sweep_to: Hz, of a record that sweeps there from
-    `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where
-    nobody says; losses, support: of the stand, "" where nobody says; varied: what else the protocol
-    varied, in words by name.
+    carried : there is a bed, but nothing in it can slide
+    dashpot_c : coefficient, N s/m; None for other beds
+    deliberate_error : made on purpose (analysis.results.deliberate_errors)
+    sweep_to : last frequency of a sweep that starts at `frequency`, Hz
+    gauge, accelerometer : end of the stinger to which they are fixed; None where it is not stated
+    losses, support : of the stand; "" where not stated
+    varied : other settings that the protocol varied, in words by name
     """
 
     id: str
@@ -103,8 +109,8 @@ class Setting:
 
     @classmethod
     def of(cls, condition: Mapping[str, Any]) -> "Setting":
-        """The setting in a session's condition. AnalysisError naming the first key that is missing
-        or wrong.
+        """Return the setting in a session's condition. AnalysisError naming the first key that is
+        missing or wrong.
         """
         condition = condition_today(condition)
         for name in CONDITION.required:
@@ -116,30 +122,30 @@ class Setting:
 
     @property
     def places(self) -> tuple[str | None, str | None]:
-        """Where gauge and accelerometer are: what is read at different places is compared with
-        nothing.
-        """
+        """Positions of gauge and accelerometer: only conditions with equal positions are compared."""
         return self.gauge, self.accelerometer
 
     @property
     def through_stinger(self) -> bool:
-        """Whether the acceleration is read at the far end of the stinger, whose give and loss are
-        then in it.
+        """Whether the acceleration is read at the far end of the stinger, whose compliance and loss
+        it then includes.
         """
         return self.accelerometer == "exciter"
 
     @property
     def is_empty(self) -> bool:
-        """Nothing in the box: no grains, and no dashpot either."""
+        """Whether the box is empty: no grains, and no dashpot either."""
         return self.bed == "empty" or (
             self.bed not in ("dashpot", "unknown", LOOP_BACK) and self.bed_mass == 0
         )
 
     @property
     def is_bonded(self) -> bool:
-        """Grains are in the box and cannot slide: bonded to it, or packed too full to flow."""
+        """Whether there are grains that cannot slide: bonded to the box, or packed too full to
+        flow.
+        """
         return not self.is_empty and (self.bed == "locked" or self.carried)
 
 
 CONDITION = shape_of(Setting)
-"""A condition in the session (SI)."""
+"""Schema of a condition in the session."""

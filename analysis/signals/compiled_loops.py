@@ -1,7 +1,7 @@
-"""The loops over samples, compiled: one pass each where arrays would take ten, and no arrays in
-between.
+"""Compiled loops over samples: one pass each instead of ten array operations, and no temporary
+arrays.
 
-Sums run in the order of the samples, without reassociation: the same samples give the same bits.
+Sums run in the order of the samples, without reassociation: equal samples give equal bits.
 """
 
 import numba
@@ -16,10 +16,14 @@ CycleSums = tuple[Array, Array, Array, Array, Array, Array, Array]
 
 @numba.njit(cache=True, nogil=True)
 def with_integral(signal: Array, mean: float, weight: float) -> Array:
-    """y + weight * integral(y), y = signal - mean, by the rule of
-    `analysis.signals.integration.integral` for a unit step."""
+    """Return y + weight * integral(y), y = signal - mean, for a unit step.
+
+    The rule is that of `analysis.signals.integration.integral`.
+    """
     n = signal.size
     out = np.empty(n)
+    # Trapezoid up to sample i, less 1/12 of the slope there (Euler-Maclaurin), which is the central
+    # difference over 2. The ends wrap around: the window is periodic.
     total, before, here = 0.0, signal[n - 1] - mean, signal[0] - mean
     for i in range(n):
         after = signal[i + 1 if i + 1 < n else 0] - mean
@@ -31,12 +35,12 @@ def with_integral(signal: Array, mean: float, weight: float) -> Array:
 
 @numba.njit(cache=True, nogil=True)
 def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> CycleSums:
-    """What energies are made of. force, acceleration: (cycles * points,); mean: of the
-    acceleration.
+    """Return the sums over each cycle from which energies are computed.
 
-    Per cycle, (cycles,): the sums of F, of a, of k F (k = 0, 1, ... in the cycle), of u and of F u,
-    and u at its start, u = integral(a - mean) over the whole window for a unit step. Last, (2,
-    points): the sums over the cycles of each point's F and a.
+    force, acceleration: (cycles * points,); mean: of the acceleration. Per cycle, (cycles,): the
+    sums of F, of a, of k F (k = 0, 1, ... in the cycle), of u and of F u, and u at its start, where
+    u = integral(a - mean) over the whole window for a unit step. Last, (2, points): the sums over
+    the cycles of each point's F and a.
     """
     points = force.size // cycles
     n = cycles * points
@@ -71,11 +75,11 @@ def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> C
 def cycle_features(
     samples: Array, cycles: int, turn: Array
 ) -> tuple[Array, Array, Array, Array, float]:
-    """Of a window (cycles * points,), per cycle: mean; the sums of x cos and -x sin, (cycles, 2);
-    rms and largest magnitude of the second differences of what the mean cycle leaves. And the
-    largest magnitude of all samples.
+    """Return features of a window (cycles * points,) for `analysis.signals.quality`.
 
-    turn: (2, points), cosine and negative sine over a cycle.
+    Per cycle: mean; the sums of x cos and -x sin, (cycles, 2); rms and largest magnitude of the
+    second differences of x less the mean cycle. Last the largest magnitude of all samples. turn:
+    (2, points), cosine and negative sine over a cycle.
     """
     points = samples.size // cycles
     mean, parts = np.zeros(cycles), np.zeros((cycles, 2))

@@ -1,11 +1,11 @@
-"""A channel of a whole run with its poles and its delay undone, for other tools, in constant
+"""A channel of a whole run with its poles and its delay corrected, for other tools, in constant
 memory.
 
-Inside the window of whole cycles the result equals what the energies are computed from, but for a
-constant: there each pole is undone as `analysis.signals.correction` does it, by adding the integral
-of the signal over its time constant. Here the integral runs on from the first sample of the record,
-by the trapezoidal rule: a harmonic h of N samples per cycle is off by (2 pi h / N)^2 / 12 of its
-correction 1 / (h w tau), 2e-5 of it at most for h = 1 and N = 400.
+Inside the window of whole cycles the result equals the signal from which the energies are computed,
+except for a constant: there each pole is corrected as in `analysis.signals.correction`, by adding
+the integral of the signal over its time constant. Here the integral runs on from the first sample
+of the record, by the trapezoidal rule: a harmonic h of N samples per cycle is off by (2 pi h / N)^2
+/ 12 of its correction 1 / (h w tau), 2e-5 of it at most for h = 1 and N = 400.
 """
 
 import math
@@ -19,13 +19,13 @@ __all__ = ["CorrectedSignal", "SampleReader"]
 
 Array = NDArray[np.float64]
 
-CHUNK = 65536  # samples
+CHUNK = 65536  # samples read at a time
 HALF = 32  # taps of the delay filter on either side
-KAISER = 10.0  # its window's beta: 100 dB, flat up to .45 of the rate
+KAISER = 10.0  # beta of its window: stop band 100 dB down, flat up to 0.45 of the rate
 
 
 class SampleReader(Protocol):
-    """Return samples start..stop of the channel in engineering units."""
+    """A function that returns samples start..stop of the channel in engineering units."""
 
     def __call__(self, start: int, stop: int) -> Array: ...
 
@@ -33,9 +33,13 @@ class SampleReader(Protocol):
 class CorrectedSignal:
     """The corrected samples of one channel, read in order.
 
-    read: the channel's samples. size: of the record. window: first sample of the whole cycles that
-    count, and one past the last; over them the mean is removed, as no high pass hands it on. step:
-    s. time_constants: s, of the high-pass poles. lag: s by which the channel is late.
+    read : returns the channel's samples
+    size : number of samples of the record
+    window : first sample of the whole cycles that are analysed, and one past the last; the mean
+        over them is removed, since a high pass does not transmit it
+    step : s
+    time_constants : of the high-pass poles, s
+    lag : time by which the channel is late, s
     """
 
     def __init__(
@@ -64,18 +68,18 @@ class CorrectedSignal:
             yield signal
 
     def samples(self) -> Array:
-        """Return all of them at once."""
+        """Return all corrected samples at once."""
         return np.concatenate(list(self.chunks()))
 
     def _mean(self) -> float:
-        """Return the mean over the window of what has been corrected so far."""
+        """Return the mean over the window of the signal as corrected so far."""
         first, last = self._window
         start, sums = 0, []
         for chunk in self.chunks():
             index = start + np.arange(chunk.size)
             weights = np.clip(index + 1 - first, 0, 1) * np.clip(
                 last - index, 0, 1
-            )  # a part of a sample at either end
+            )  # the window begins and ends within a sample
             sums.append(float(weights @ chunk))
             start += chunk.size
         return math.fsum(sums) / (last - first)
@@ -88,8 +92,8 @@ class CorrectedSignal:
         return np.asarray(np.convolve(padded, self._taps, "valid"))
 
     def _mirrored(self, start: int, stop: int) -> Array:
-        """Return samples start..stop; beyond either end the record is turned about its last sample
-        there.
+        """Return samples start..stop; beyond either end the record is reflected about its last
+        sample there.
         """
         inside = self._read(min(max(start, 0), self.size - 1), max(min(stop, self.size), 1))
         before, after = max(-start, 0), max(stop - self.size, 0)

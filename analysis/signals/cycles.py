@@ -1,5 +1,5 @@
-"""Whole drive cycles of a record: where they start, how many there are, and an integer number of
-samples in each.
+"""Whole drive cycles of a record: their start, their number, and interpolation to a whole number of
+points in each.
 """
 
 import math
@@ -19,7 +19,7 @@ REACH = 3  # samples that the interpolation needs on each side
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """The sampling of a cycle. period: record samples per drive cycle; points: analysed points per
+    """The sampling of a cycle; period: record samples per drive cycle; points: analysed points per
     cycle (integer).
     """
 
@@ -28,14 +28,14 @@ class Grid:
 
     @property
     def exact(self) -> bool:
-        """True where record samples are used as they are, without interpolation."""
+        """Whether record samples are used as they are, without interpolation."""
         return self.period == self.points
 
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """The `cycles` whole cycles from sample position `start` (fractional where the grid is not
-    exact).
+    """A window of `cycles` whole cycles from sample position `start` (fractional where the grid is
+    not exact).
     """
 
     grid: Grid
@@ -43,7 +43,7 @@ class Window:
     cycles: int
 
     def segments(self) -> tuple["Window", ...]:
-        """Consecutive windows of at most SEGMENT_CYCLES cycles."""
+        """Return consecutive windows of at most SEGMENT_CYCLES cycles."""
         return tuple(
             Window(
                 self.grid,
@@ -54,11 +54,11 @@ class Window:
         )
 
     def sample_range(self) -> tuple[int, int]:
-        """First sample needed, and one past the last."""
+        """Return the first sample needed, and one past the last."""
         end = self.start + self.cycles * self.grid.period
         if self.grid.exact:
             return int(self.start), int(end)
-        # Half a step back from the end is past the last point, however the sum above was rounded.
+        # Half a step before the end lies past the last point, however the sum above was rounded.
         last = end - self.grid.period / self.grid.points / 2
         return math.floor(self.start) - REACH + 1, math.ceil(last) + REACH
 
@@ -72,14 +72,14 @@ def whole_cycles(
     settle: float = 0,
     cycles: int | None = None,
 ) -> Window:
-    """The whole drive cycles of a record after settling.
+    """Return the whole drive cycles of a record after settling.
 
     samples: length of the record; rate, frequency: Hz; filter_delay: samples by which the record
-    lags the drive; settle: drive cycles left out; cycles: at most so many (None: all that fit). The
-    window starts at the drive's own cycle start, to the nearest sample where a cycle has a whole
-    number of samples, exactly otherwise; where the record is a few samples too short for the last
-    cycle, so many samples earlier. ValueError where fewer than 4 samples make a cycle or no whole
-    cycle fits.
+    lags the drive; settle: drive cycles left out; cycles: largest number (None: all that fit). The
+    window starts where a cycle of the drive starts: to the nearest sample where a cycle has a whole
+    number of samples, exactly otherwise. Where the record is a few samples too short for the last
+    cycle, the window starts earlier by these. ValueError where fewer than 4 samples make a cycle or
+    no whole cycle fits.
     """
     period = rate / frequency
     if not 4 <= period < math.inf:
@@ -88,8 +88,8 @@ def whole_cycles(
         )
     nearest = round(period)
     begin = settle * period + filter_delay
-    # A grid that is off by less than 1e-6 sample over the whole record is exact for every purpose
-    # here.
+    # Off by less than 1e-6 sample over the whole record: 1e-8 rad at 512 samples per cycle, far below
+    # the resolution of the arithmetic.
     if abs(period - nearest) * (samples / period + 1) < 1e-6:
         grid, start, last = (
             Grid(float(nearest), nearest),
@@ -111,8 +111,8 @@ def whole_cycles(
 
 
 def _moved(start: float, short: float, grid: Grid) -> float:
-    """The start, earlier by the few samples by which a record is too short for its last cycle's
-    neighbours.
+    """Return the start, earlier by the samples that the interpolation of the last cycle lacks;
+    unchanged where these are more than a few.
     """
     if not 0 < short <= REACH + 1 or start - short < REACH - 1:
         return start
@@ -120,8 +120,8 @@ def _moved(start: float, short: float, grid: Grid) -> float:
 
 
 def clear_of(window: Window, bad: Sequence[tuple[int, int]]) -> tuple[Window, ...]:
-    """The stretches of a window's whole cycles that need no sample of the ranges `bad` (first, one
-    past the last).
+    """Return the stretches of a window's whole cycles that need no sample of the ranges `bad`
+    (first, one past the last).
     """
     period, kept = window.grid.period, np.ones(window.cycles, dtype=bool)
     for cycle in range(window.cycles):
@@ -135,7 +135,7 @@ def clear_of(window: Window, bad: Sequence[tuple[int, int]]) -> tuple[Window, ..
 
 
 def on_grid(samples: Array, first: int, window: Window) -> Array:
-    """Samples of a window, `window.grid.points` to a cycle.
+    """Return the samples of a window, `window.grid.points` to a cycle.
 
     samples: (..., n), the first of which is sample `first` of the record. Off the integer grid a
     local quintic (six-point Lagrange) interpolation is used: relative error (w dt)^6 / 204.8 at
@@ -160,7 +160,7 @@ def on_grid(samples: Array, first: int, window: Window) -> Array:
 
 
 def _lagrange(t: Array) -> tuple[Array, ...]:
-    """Weights of samples -2, -1, 0, 1, 2, 3 for the value at t in [0, 1)."""
+    """Return the weights of samples -2, -1, 0, 1, 2, 3 for the value at t in [0, 1)."""
     a, b, c, d, e = t + 2, t + 1, t - 1, t - 2, t - 3
     ab, de, bt = a * b, d * e, b * t
     cde, abt = c * de, ab * t

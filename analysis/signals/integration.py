@@ -9,11 +9,11 @@ Array = NDArray[np.float64]
 
 
 def integral(signal: Array, step: float) -> Array:
-    """Running integral along the last axis, but for a constant; step: s.
+    """Return the running integral along the last axis, up to a constant; step: s.
 
     Trapezoid rule with the Euler-Maclaurin end correction: gain error -11/720 (w step)^4 at w and
     no phase error, 3e-10 for the fundamental at 512 points to a cycle (the plain trapezoid's is
-    1.3e-5). The slope that the correction needs wraps around at the ends of the whole array.
+    1.3e-5). The slope in the correction wraps around at the ends of the whole array.
     """
     total = np.cumsum(signal, axis=-1)
     total -= 0.5 * signal

@@ -1,15 +1,15 @@
-"""What a record itself tells of its channels: stuck values, steps, slips, noise and spikes that no
-flag announced.
+"""Quality of the channels from the record itself: stuck values, steps, slips, noise and spikes
+without a flag.
 
-A steady drive repeats: per cycle, a channel has a mean, a fundamental (size and phase) and a
-remainder about the mean cycle. A fault shows as a change of one of them that the scatter from cycle
-to cycle does not explain. Where the bed's own scatter is larger, the fault is not seen;
-`docs/acquisition.md` says how large it may be.
+A steady drive repeats: per cycle, a channel has a mean, a fundamental (magnitude and phase) and a
+remainder about the mean cycle. A fault changes one of them by more than the scatter from cycle to
+cycle explains. Where the bed's own scatter is larger, the fault is not detected;
+`docs/acquisition.md` states the detectable sizes.
 
-A motion that is free (shaker-coupled drive: no waveform is held) does not repeat: its impacts come
-and go, and its level and phase glide where the bed settles. There a fault must show in what a
-motion cannot do: noise in the quiet part of a cycle, between the impacts, and a step from one cycle
-to the next.
+A free motion (shaker-coupled drive: no waveform is controlled) does not repeat: its impacts come
+and go, and level and phase glide while the bed settles. There a fault must show in a feature that a
+motion cannot have: noise in the quiet part of a cycle, between the impacts, or a step from one
+cycle to the next.
 """
 
 import math
@@ -40,20 +40,30 @@ __all__ = [
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-STUCK = 16  # equal values in a row: a sine of 200 codes has fewer at its crest, at 512 samples to a cycle
-SURE = 10.0  # step over its own standard deviation: cycles of a bed are not independent (6 was seen in 428 runs)
-LEAST = {"bias": 5e-3, "gain_step": 5e-3, "clock_slip": 2e-3}  # of the fundamental, of itself, rad
-LONE = 5.0  # a spike against the twentieth largest remainder elsewhere: a bed's own impacts come in numbers
+STUCK = 16
+"""Equal values in succession that count as stuck: a sine with an amplitude of 200 codes has fewer at its
+crest, at 512 samples per cycle."""
+SURE = 10.0
+"""A step over its own standard deviation: cycles of a bed are not independent (the largest of 428 sound
+runs was 6)."""
+LEAST = {"bias": 5e-3, "gain_step": 5e-3, "clock_slip": 2e-3}
+"""Smallest change that counts: relative to the fundamental, relative, rad."""
+
+LONE = 5.0
+"""A spike over the twentieth largest remainder elsewhere: the impacts of a bed come in larger numbers."""
+
 GAUSSIAN = 7.0  # largest over rms: noise has less in any record, impacts and spikes have more
 NOISY = 3.0  # rms of a cycle's remainder over the usual one, and over the certified noise
 CLIPS = 0.98  # of the sensor's own limit
-QUIET = 0.1  # share of a cycle's fourth differences that is quiet: between the impacts
-FOURTH = math.sqrt(
-    70 / 6
-)  # rms of fourth over second differences of white noise; of a motion that is sampled well 1.4
-SUDDEN = 0.6  # share of a step that no cycle bridges: 0.47 was seen of a bed that glides, in 320 runs; faults left 0.69
-BESIDE = 4  # cycles on either side of a sudden step
-NOTHING = 3.0  # a fundamental below so many certified noises is no signal
+QUIET = 0.1  # fraction of a cycle's fourth differences that counts as quiet: between the impacts
+FOURTH = math.sqrt(70 / 6)
+"""Rms of the fourth over that of the second differences of white noise: coefficients (1, -4, 6, -4, 1)
+and (1, -2, 1). A well sampled motion has 1.4."""
+SUDDEN = 0.6
+"""Fraction of a sudden step that no cycle bridges: at most 0.47 for gliding beds in 320 runs, at least
+0.69 for faults."""
+BESIDE = 4  # fewest cycles on either side of a sudden step
+NOTHING = 3.0  # multiple of the certified noise below which a fundamental is no signal
 
 OVERLOAD = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO)
 
@@ -67,11 +77,18 @@ CORRECTED = ("bias", "drift")
 
 @dataclass(frozen=True, eq=False)
 class Cycles:
-    """Features of one channel over consecutive cycles, arrays of (cycles,): mean; fundamental, peak
-    phasor; fast: rms of the second differences of what the mean cycle leaves, and crest, their
-    largest over that. spike: their largest over the twentieth largest elsewhere; stuck: most equal
-    values in a row; peak: largest magnitude; quiet: of a free motion the decile of the fourth
-    differences' magnitudes, else nothing, (0,)."""
+    """Features of one channel over consecutive cycles; arrays are (cycles,).
+
+    mean : of each cycle
+    fundamental : peak phasor
+    fast : rms of the second differences of the remainder about the mean cycle
+    crest : their largest over that rms
+    spike : their largest over the twentieth largest elsewhere; 0 where none was looked for
+    stuck : length of the longest sequence of equal values
+    peak : largest magnitude
+    quiet : of a free motion the tenth percentile of the magnitudes of the fourth differences;
+        otherwise (0,)
+    """
 
     mean: Array
     fundamental: Complex
@@ -86,9 +103,12 @@ class Cycles:
 def features(
     samples: Array, cycles: int, smooth: bool, stuck: int = 1, free: bool = False
 ) -> Cycles:
-    """Features of a window of whole cycles, (cycles * points,), poles not undone. smooth: nothing
-    in the condition knocks at this channel; only then does a lone spike mean anything, and only
-    then is it looked for. stuck: of the samples as recorded. free: no waveform is held."""
+    """Return the features of a window of whole cycles, (cycles * points,), poles not corrected.
+
+    smooth: no impacts reach this channel; only then does a lone spike mean anything, and only then
+    is it looked for. stuck: longest sequence of equal values in the samples as recorded. free: no
+    waveform is controlled.
+    """
     points = samples.size // cycles
     mean, parts, rms, top, peak = cycle_features(samples, cycles, _turn(points))
     lone = smooth and float(top.max()) > GAUSSIAN * float(np.sqrt((rms**2).mean()))
@@ -108,36 +128,35 @@ def features(
 
 @lru_cache(maxsize=4)
 def _turn(points: int) -> Array:
-    """Cosine and negative sine over a cycle, (2, points)."""
+    """Return cosine and negative sine over a cycle, (2, points)."""
     turn = 2 * np.pi * np.arange(points) / points
     return np.stack([np.cos(turn), -np.sin(turn)])
 
 
 def _fast(x: Array) -> Array:
-    """Second differences of what the mean cycle leaves of (cycles, points)."""
+    """Return the second differences of the remainder about the mean cycle, (cycles, points - 2)."""
     rest = x - x.mean(axis=0)
     return np.asarray(rest[:, 2:] + rest[:, :-2] - 2 * rest[:, 1:-1])
 
 
 class Scrutiny:
-    """Looks at a run's force and acceleration stretch by stretch, in constant memory; each stretch
-    is compared with the one before it and with the first."""
+    """A check of a run's force and acceleration, in constant memory: each stretch is compared with
+    the previous and the first one.
+    """
 
     def __init__(self, channels: Sequence[ChannelFacts], setting: Setting) -> None:
-        self._channels, self._smooth, self._omega = (
-            channels,
-            _smooth(setting),
-            2 * math.pi * setting.frequency,
-        )
-        self._settled, self._free = (
-            setting.settle_cycles / setting.frequency,
-            setting.drive == "shaker",
-        )
+        self._channels = channels
+        self._smooth = _smooth(setting)
+        self._omega = 2 * math.pi * setting.frequency
+        self._settled = setting.settle_cycles / setting.frequency
+        self._free = setting.drive == "shaker"
         self._known: list[tuple[Cycles, ...]] = [() for _ in channels]
         self._found: dict[tuple[str, str], None] = {}
 
     def add(self, signals: Sequence[Signal], on_grid: Sequence[Array], cycles: int) -> None:
-        """The next stretch: signals as recorded, and with a whole number of points to each cycle."""
+        """Add the next stretch: signals as recorded, and with a whole number of points to each
+        cycle.
+        """
         for k, (channel, signal, values) in enumerate(
             zip(self._channels, signals, on_grid, strict=True)
         ):
@@ -146,16 +165,17 @@ class Scrutiny:
                 np.ascontiguousarray(values), cycles, self._smooth[k], stuck, self._free
             )
             names = doubts(channel, part, self._omega, self._settled, self._smooth[k])
-            known = (
-                self._known[k][-1:] if self._free else self._known[k]
-            )  # a free motion may glide from the first one
+            # A free motion may glide away from the first stretch: compare with the previous one only.
+            known = self._known[k][-1:] if self._free else self._known[k]
             for other in known:
                 names += changes(channel, other, part, self._omega, self._settled)
             self._found |= dict.fromkeys((name, channel.name) for name in names)
             self._known[k] = (*self._known[k][:1], part)
 
     def flags(self, run: str) -> tuple[str, ...]:
-        """Flags "bias_force"... AnalysisError for what cannot be read at all."""
+        """Return flags such as "bias_force". AnalysisError for a channel that cannot be read at
+        all.
+        """
         for name, channel in self._found:
             if name in REFUSED:
                 raise AnalysisError(f"{run}: the channel {channel} {REFUSED[name]}")
@@ -163,8 +183,8 @@ class Scrutiny:
 
 
 def _smooth(setting: Setting) -> tuple[bool, bool]:
-    """Whether nothing knocks at force and acceleration: a programmed motion, a box in which nothing
-    slides.
+    """Return whether force and acceleration are free of impacts: a prescribed motion, and a box in
+    which nothing slides.
     """
     prescribed = setting.drive == "prescribed"
     return prescribed and (
@@ -173,7 +193,7 @@ def _smooth(setting: Setting) -> tuple[bool, bool]:
 
 
 def longest_stuck(samples: Array) -> int:
-    """Length of the longest stretch of equal values."""
+    """Return the length of the longest sequence of equal values."""
     equal = samples[1:] == samples[:-1]
     if np.count_nonzero(equal) < STUCK - 1:
         return 1
@@ -184,18 +204,20 @@ def longest_stuck(samples: Array) -> int:
 def doubts(
     channel: ChannelFacts, part: Cycles, omega: float, settled: float, smooth: bool
 ) -> tuple[str, ...]:
-    """Names of what is wrong with a channel over a stretch. omega: rad/s; settled: s from the
-    drive's start to the window (what is left of the poles' start is no fault); smooth: as for
-    `features`."""
+    """Return the names of the faults of a channel within a stretch.
+
+    omega: rad/s; settled: s from the start of the drive to the window (the decaying start of the
+    poles is no fault); smooth: as for `features`.
+    """
     found = ["stuck"] if part.stuck >= STUCK else []
     middle = complex(part.fundamental.mean())
     if abs(middle) <= NOTHING * channel.noise_rms:
         return (*found, "no_signal")
-    # of second differences of white noise, rounding included
+    # rms of the second differences of white noise (1 + 4 + 1 = 6), quantisation (1/12) included
     floor = math.sqrt(
         6.0 * (channel.noise_rms**2 + (channel.scale / channel.sensitivity) ** 2 / 12)
     )
-    stated = smooth and channel.noise_rms > 0  # else the other cycles are the measure
+    stated = smooth and channel.noise_rms > 0  # otherwise compare with the other cycles
     usual = floor if stated else max(_median(part.fast), floor)
     loud = part.fast > NOISY * usual
     if loud.any() and (loud & (part.crest < GAUSSIAN) & _loud(part.quiet, floor)).any():
@@ -218,7 +240,9 @@ def doubts(
 def changes(
     channel: ChannelFacts, one: Cycles, other: Cycles, omega: float, settled: float
 ) -> tuple[str, ...]:
-    """Names of what changed in a channel from one stretch to another."""
+    """Return the names of the faults of a channel that show as a change from one stretch to
+    another.
+    """
     middle = complex(one.fundamental.mean())
     level = abs(middle)
     if not level:
@@ -238,21 +262,21 @@ def changes(
 
 
 def _of_start(channel: ChannelFacts, omega: float, settled: float) -> float:
-    """How far the mean may slide as the poles' start dies away, over the fundamental, with a factor
-    of 2.
+    """Return the drift of the mean by the decaying start of the poles, over the fundamental, with a
+    factor of 2 for safety.
     """
     return 2 * sum(math.exp(-settled / tau) / (omega * tau) for tau in channel.time_constants)
 
 
 def _median(values: Array) -> float:
-    """np.median, which takes ten times as long over so few values."""
+    """Return the median; np.median takes ten times as long for a few dozen values."""
     ordered, half = np.sort(values), values.size // 2
     return float(ordered[half]) if values.size % 2 else float(ordered[half - 1] + ordered[half]) / 2
 
 
 def _lone(fast: Array) -> float:
-    """The largest value over the twentieth largest of those more than 8 places away; 0 where there
-    are too few.
+    """Return the largest value over the twentieth largest of those more than 8 places away; 0 for
+    too few values.
     """
     top = int(fast.argmax())
     others = np.concatenate((fast[: max(top - 8, 0)], fast[top + 9 :]))
@@ -263,31 +287,36 @@ def _lone(fast: Array) -> float:
 
 
 def _loud(quiet: Array, floor: float) -> NDArray[np.bool_]:
-    """Whether each cycle's quiet part is louder than usual by NOISY, and by SURE of the deviations
-    that the cycles have (robust, of the logarithm: a motion's roughness varies in proportion).
-    floor: rms of the certified noise's second differences; the normal decile of magnitudes is 0.126
-    of the rms. All are where nothing is known of it, (1,)."""
+    """Return for each cycle whether its quiet part is too loud, (cycles,); (1,) True where there is
+    no quiet part.
+
+    Too loud: by NOISY over the median, and by SURE robust standard deviations of the logarithms
+    (the roughness of a motion varies in proportion). floor: rms of the second differences of the
+    certified noise; the lowest decile of a normal deviate's magnitude is 0.126 of its rms.
+    """
     if not quiet.size:
         return np.ones(1, dtype=np.bool_)
     level = np.log(np.maximum(quiet, max(0.126 * FOURTH * floor, math.ulp(0.0))))
     above = level - np.median(level)
-    deviation = 1.4826 * float(
-        np.median(np.abs(above))
-    )  # a normal deviation from the median magnitude
+    # 1.4826: standard deviation of a normal variable over its median magnitude
+    deviation = 1.4826 * float(np.median(np.abs(above)))
     return np.asarray((above > math.log(NOISY)) & (above > SURE * deviation))
 
 
 def _gap(a: Array, b: Array) -> float:
-    """Distance between the nearest values of two groups, 0 where they overlap."""
+    """Return the distance between the nearest values of two groups, 0 where they overlap."""
     return max(0.0, float(b.min() - a.max()), float(a.min() - b.max()))
 
 
 def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
-    """Whether a series steps or slides by more than `least`, and by more than its scatter explains:
-    the largest difference between the means before and after a place. sudden: share of the step
-    that must be empty between all values before and all after, the two at the place left out (the
-    step may lie within one of them), with BESIDE cycles on either side (the end of a glide looks
-    like a step otherwise)."""
+    """Return whether a series steps or slides by more than `least`, and by more than its scatter
+    explains.
+
+    The step is the largest difference between the means before and after a place. sudden: fraction
+    of the step that must be empty between all values before and all after. The two values at the
+    place are left out (the step may lie within one of them), and BESIDE cycles are needed on either
+    side (otherwise the end of a glide looks like a step).
+    """
     n = series.size
     if n < 8 or float(series.max() - series.min()) <= least:
         return False
@@ -304,8 +333,11 @@ def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
 
 
 def _apart(a: Array, b: Array, least: float, sudden: float = 0.0) -> bool:
-    """Whether two stretches differ by more than `least`, and by more than their scatter explains.
-    sudden: share of the difference that must be empty between them."""
+    """Return whether two stretches differ by more than `least`, and by more than their scatter
+    explains.
+
+    sudden: fraction of the difference that must be empty between them.
+    """
     size = abs(float(b.mean() - a.mean()))
     if min(a.size, b.size) < 8 or size <= least or (sudden and _gap(a, b) < sudden * size):
         return False
@@ -315,15 +347,18 @@ def _apart(a: Array, b: Array, least: float, sudden: float = 0.0) -> bool:
 
 
 def _scatter(series: Array) -> float:
-    """Standard deviation of a series by the differences of neighbours, the two largest left out: a
-    step, a slope and a single bad cycle do not raise it, and alternation from cycle to cycle, as
-    beds have it, is counted in full."""
+    """Return the standard deviation of a series from the differences of neighbours, without the two
+    largest.
+
+    A step, a slope and a single bad cycle do not raise it; alternation from cycle to cycle, as beds
+    have it, counts in full.
+    """
     differences = np.sort(np.abs(np.diff(series)))[:-2]
     return math.sqrt(float((differences**2).mean()) / 2)
 
 
 def _sloped(series: Array) -> bool:
-    """Whether a line explains a series better than a step does."""
+    """Return whether a line explains a series better than a step does."""
     n = series.size
     t = np.arange(n) - (n - 1) / 2
     line = series - series.mean() - t * float((t * series).sum() / (t * t).sum())

@@ -1,5 +1,5 @@
-"""Whether a record is steady, and at which frequency: before whole cycles of somebody else's record
-are trusted.
+"""Steadiness of a record and its drive frequency: checked before the whole cycles of a foreign
+record are used.
 """
 
 import math
@@ -17,11 +17,11 @@ Array = NDArray[np.float64]
 
 FEWEST_CYCLES = 5
 STRETCHES = 8
-"""Equal stretches of whole cycles whose fundamentals are compared."""
+"""Number of equal stretches of whole cycles whose fundamentals are compared."""
 
 NEAR = 0.45
-"""How far from a stated drive frequency, relative, its line is looked for: neither a harmonic nor
-half of it.
+"""Relative distance from a stated drive frequency within which its line is searched: it excludes
+harmonics and the half frequency.
 """
 
 ROUNDS = 20
@@ -30,11 +30,11 @@ CONVERGED = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Steadiness:
-    """How far a record is from a steady one.
+    """The deviation of a record from a steady one.
 
-    level: (largest - least) amplitude of the fundamental over the stretches, over its mean; phase:
-    largest deviation of the stretches' phases from a straight line, rad; residual: rms of what is
-    no harmonic over the fundamental's.
+    level : largest less least amplitude of the fundamental over the stretches, over its mean
+    phase : largest deviation of the stretches' phases from a straight line, rad
+    residual : rms of the part that is not periodic over the fundamental's
     """
 
     level: float
@@ -43,12 +43,12 @@ class Steadiness:
 
 
 def drive_frequency(signal: Array, rate: float, guess: float | None = None) -> float:
-    """Frequency of the strongest sine in a record, Hz.
+    """Return the frequency of the strongest sine in a record, Hz.
 
-    guess: Hz; the strongest line within `NEAR` of it is taken, None: the strongest above the first
-    two. It is refined by the phase slope of the fundamental over two halves of a Hann-weighted
-    record, to convergence: exact for a sine, and for one with harmonics as far as the window keeps
-    them apart. AnalysisError where there is no sine to be found.
+    guess: Hz; the strongest line within `NEAR` of it, or without a guess the strongest above the
+    two lowest. The frequency is refined by the phase difference between the two halves of the
+    record, Hann-weighted, until it converges: exact for a sine, and for one with harmonics as far
+    as the window separates them. AnalysisError where there is no sine.
     """
     count = signal.size
     window = np.hanning(count)
@@ -74,7 +74,7 @@ def drive_frequency(signal: Array, rate: float, guess: float | None = None) -> f
 
 
 def _correction(signal: Array, rate: float, frequency: float) -> float:
-    """Frequency error from the phase that two half records differ by, Hz."""
+    """Return the frequency error that follows from the phase difference of two half records, Hz."""
     half = signal.size // 2
     turn = np.exp(-2j * np.pi * frequency / rate * np.arange(half))
     window = np.hanning(half)
@@ -86,8 +86,8 @@ def _correction(signal: Array, rate: float, frequency: float) -> float:
 
 
 def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
-    """How steady a record at `rate` (Hz) is at its drive frequency (Hz). AnalysisError below
-    FEWEST_CYCLES cycles.
+    """Return the steadiness of a record at `rate` (Hz) with its drive frequency (Hz). AnalysisError
+    below FEWEST_CYCLES cycles.
     """
     period = rate / frequency
     cycles = math.floor(signal.size / period)
@@ -108,8 +108,8 @@ def steadiness(signal: Array, rate: float, frequency: float) -> Steadiness:
 
 
 def fundamental(part: Array, start: int, rate: float, frequency: float) -> complex:
-    """Least-squares phasor of a stretch: sine, cosine and mean (a stretch need not be whole samples
-    long).
+    """Return the phasor of a stretch by least squares of sine, cosine and mean (a stretch need not
+    be whole cycles long).
     """
     angle = 2 * math.pi * frequency / rate * (start + np.arange(part.size))
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones(part.size)], axis=1)
@@ -118,15 +118,17 @@ def fundamental(part: Array, start: int, rate: float, frequency: float) -> compl
 
 
 def noise_rms(signal: Array, period: float) -> float:
-    """Rms of what does not repeat from cycle to cycle (unit of the signal): differences of
-    neighbours a cycle apart.
+    """Return the rms of the part that does not repeat from cycle to cycle, in the unit of the
+    signal.
+
+    period: of the drive, samples.
     """
     return _residual(signal, period)
 
 
 def _residual(signal: Array, period: float) -> float:
-    """Rms over sqrt(2) of the signal less itself one period later (linear interpolation between
-    samples).
+    """Return the rms over sqrt(2) of the signal less itself one period later (linear interpolation
+    between samples).
     """
     whole, part = divmod(period, 1.0)
     later = signal[int(whole) :]

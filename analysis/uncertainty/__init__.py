@@ -1,1 +1,1 @@
-"""Estimates, budgets, and the statistics behind them."""
+"""Estimates, uncertainty budgets, and the statistics that they rest on."""

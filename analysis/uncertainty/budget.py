@@ -1,9 +1,9 @@
-"""Where the uncertainty of W comes from: a budget after the GUM, with what is shared between
-conditions kept apart.
+"""The uncertainty budget of W after the GUM; contributions that conditions have in common are kept
+apart.
 
 A line is one input quantity with its standard uncertainty u, its degrees of freedom nu and two
 sensitivities: c = dW_exp per unit of the input, c_T = dW_T per unit, because W_T is evaluated at
-the *measured* acceleration. A scale error e of the accelerometer moves W_exp by W e and W_T by n
+the *measured* acceleration. A scale error e of the accelerometer changes W_exp by W e and W_T by n
 W_T e, n = dlnW/dlna: their difference carries 1 - n.
 """
 
@@ -43,7 +43,7 @@ ANGLE_RESOLUTION = 5e-6  # rad, standard uncertainty of the same between the two
 
 
 def combine(value: float, parts: Iterable[tuple[float, float]]) -> Estimate:
-    """Estimate from independent parts (standard uncertainty in the value's unit, nu)."""
+    """Return the estimate from independent parts (standard uncertainty in the value's unit, nu)."""
     return Estimate.of(value, list(parts))
 
 
@@ -57,7 +57,7 @@ def certificate_lines(
     exponent: float = 0.0,
     amplitudes: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Line, ...]:
-    """Type B lines from the channel table; those that contribute nothing are left out.
+    """Return the type B lines from the channel table; lines that contribute nothing are left out.
 
     frequency: Hz; W, W_T: J per cycle; reactive: (pi/w^2) M_eff a^2 in J; exponent: dlnW_T/dlna;
     amplitudes: of the fundamental force (N) and acceleration (m/s^2). Sensitivities: normal, U/2;
@@ -133,9 +133,12 @@ def certificate_lines(
 def _coupling_lines(
     channel: ChannelFacts, omega: float, W: float, nT: float, reactive: float, sign: float
 ) -> tuple[Line, ...]:
-    """The scatter of an AC coupling's corner f_c = w_c/2 pi: it turns the channel and scales it by
-    w/sqrt(w^2 + w_c^2). One input quantity, so one line: dlnW = -(w_c^2/(w^2 + w_c^2)) and dphi = w
-    w_c/(w^2 + w_c^2) per relative f_c. sign: 1 for the force, -1 for the acceleration."""
+    """Return the line of an AC coupling's uncertain corner f_c = w_c/2 pi; none for DC.
+
+    It turns the channel's phase and scales it by w/sqrt(w^2 + w_c^2). One input quantity, so one
+    line: dlnW = -(w_c^2/(w^2 + w_c^2)) and dphi = w w_c/(w^2 + w_c^2) per relative f_c. sign: 1 for
+    the force, -1 for the acceleration.
+    """
     if not channel.corner:
         return ()
     ratio = 2 * math.pi * channel.corner / omega
@@ -157,31 +160,34 @@ def _coupling_lines(
 
 
 def _bend(channel: ChannelFacts, amplitude: float) -> float:
-    """Relative standard uncertainty of a fundamental's amplitude by the sensor's linearity."""
+    """Return the relative standard uncertainty of a fundamental's amplitude that is due to the
+    sensor's linearity.
+    """
     if not channel.linearity or not channel.full_scale:
         return 0.0
     return 0.375 * channel.linearity * (amplitude / channel.full_scale) ** 2 / math.sqrt(3)
 
 
 def _coupling_turn(omega: float, channel: ChannelFacts) -> float:
-    """Standard uncertainty of the coupling's phase, rad."""
+    """Return the standard uncertainty of the coupling's phase, rad."""
     ratio = 2 * math.pi * channel.corner / omega
     return channel.corner_tolerance / math.sqrt(3) * ratio / (1 + ratio**2)
 
 
 def _spread(channel: ChannelFacts) -> float:
+    """Return the standard deviation of ln tau of a channel's pole; 0 for DC."""
     return 0.0 if channel.time_constant is None else channel.time_constant_spread
 
 
 def _turn(omega: float, channel: ChannelFacts) -> float:
-    """|d phase / d ln tau| of a channel's pole, rad."""
+    """Return |d phase / d ln tau| of a channel's pole, rad."""
     return math.sin(2 * pole_phase(omega, channel.time_constant)) / 2
 
 
 def angle_uncertainty(
     force: ChannelFacts, acceleration: ChannelFacts, frequency: float
 ) -> Estimate:
-    """The angle between the two channels that is left after correction: 0 rad with its standard
+    """Return the angle between the two channels after correction: 0 rad with its standard
     uncertainty.
     """
     omega = 2 * math.pi * frequency
@@ -194,8 +200,8 @@ def angle_uncertainty(
 def inputs_angle(
     force: ChannelFacts, acceleration: ChannelFacts, frequency: float
 ) -> list[tuple[float, float]]:
-    """Parts (rad, nu) of the angle that the analyzer alone leaves between two channels: couplings,
-    skew, arithmetic.
+    """Return the parts (rad, nu) of that angle that are due to the analyzer alone: couplings, skew,
+    arithmetic.
     """
     omega, parts = 2 * math.pi * frequency, [(ANGLE_RESOLUTION, math.inf)]
     for channel in (force, acceleration):
@@ -209,7 +215,9 @@ def inputs_angle(
 def inputs_gain(
     force: ChannelFacts, acceleration: ChannelFacts, frequency: float
 ) -> list[tuple[float, float]]:
-    """The same of the ratio of their gains, relative."""
+    """Return the parts (relative, nu) of the ratio of the two gains that are due to the analyzer
+    alone.
+    """
     parts = [(RESOLUTION, math.inf)]
     for channel in (force, acceleration):
         ratio = channel.corner / frequency
@@ -222,8 +230,8 @@ def inputs_gain(
 
 
 def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
-    """What the arithmetic itself may be wrong by; it keeps comparisons of ideal instruments from
-    dividing by zero.
+    """Return the lines of the arithmetic itself, without which comparisons of ideal instruments
+    would divide by zero.
     """
     return (
         Line("arithmetic", "1", RESOLUTION, math.inf, W, ratio=1.0),
@@ -232,10 +240,10 @@ def resolution_lines(W: float, reactive: float) -> tuple[Line, ...]:
 
 
 def prediction_lines(prediction: SessionPrediction, W_T: float) -> tuple[Line, ...]:
-    """What W_T itself is uncertain by, those left out that contribute nothing.
+    """Return the lines of W_T itself; lines that contribute nothing are left out.
 
-    Reading it between levels is wrong by chance, in each condition anew; beds that start at rest
-    settle alike.
+    Interpolation between levels errs at random, independently in each condition; the settling of
+    beds that start at rest is a common error.
     """
     found = (
         Line("prediction numerics", "1", prediction.u_rel, math.inf, 0.0, W_T),
@@ -252,11 +260,11 @@ def mass_and_loss(
 ) -> tuple[Estimate, Estimate]:
     """Return apparent mass M (kg) and loss factor eta of a condition, means over its runs.
 
-    lines: the budget of W_exp; u_noise: J, of W's mean, from the instruments; stretch: of W's
-    scatter. With M + j M_i = F/A at the fundamental and eta = -M_i/M, a relative change r of |F/A|
-    and a turn t change M by r M - t eta M and eta by t (1 + eta^2). Noise of the quadrature that
-    makes W has an equal in the other, which makes M. A condition measured once has no scatter: that
-    noise then takes its place, as it does for W.
+    lines: the budget of W_exp; u_noise: standard uncertainty of W's mean by noise, J; stretch:
+    factor on the scatter of W. With M + j M_i = F/A at the fundamental and eta = -M_i/M, a relative
+    change r of |F/A| and a turn t change M by r M - t eta M and eta by t (1 + eta^2). White noise
+    is equal in both quadratures, so that the noise of W gives that of M. A condition measured once
+    has no scatter: the noise is used instead, as for W.
     """
     n = len(energies)
     masses, losses = [one.M_eff for one in energies], [one.eta for one in energies]
@@ -276,8 +284,10 @@ def mass_and_loss(
 
 
 def scatter_line(values: Sequence[float], stretch: float = 1.0) -> tuple[Line, ...]:
-    """Type A: scatter between runs over the root of their number (GUM 4.2), times a factor for what
-    is known of their distribution; nothing for a single run."""
+    """Return the type A line: scatter between runs over the root of their number (GUM 4.2).
+
+    stretch: factor that accounts for a known skewed distribution. Empty for a single run.
+    """
     n = len(values)
     if n < 2:
         return ()
@@ -297,16 +307,17 @@ def scatter_line(values: Sequence[float], stretch: float = 1.0) -> tuple[Line, .
 
 
 def stretch_of(lines: Iterable[Line]) -> float:
-    """The factor in the scatter between runs of a budget; 1 where it has none."""
+    """Return the factor on the scatter between runs of a budget; 1 where it has none."""
     return next((line.stretch for line in lines if line.source == SCATTER), 1.0)
 
 
 def refills_line(refills: Sequence[float], W_T: float) -> tuple[Line, ...]:
-    """W_T is of the nominal bed and W_exp a mean over refills. By what the prediction's refills
-    take more or less in the mean (rectangular) the two may differ; the same sign in many conditions
-    stays the same in their sum.
+    """Return the line for the difference between the nominal bed, of W_T, and the mean of refills,
+    of W_exp.
 
-    refills: energies of poured beds over the nominal one's.
+    refills: predicted energies of refilled beds over the nominal one's. Their mean deviation is
+    taken as a rectangular half-width; it has the same sign in many conditions, so it is a common
+    error.
     """
     apart = math.fsum(refills) / len(refills) - 1 if refills else 0.0
     line = Line(
@@ -321,10 +332,10 @@ def own_parts(
     d_exp: float = 1.0,
     d_T: float = -1.0,
 ) -> list[tuple[float, float]]:
-    """Parts (standard uncertainty, nu) of d_exp W_exp + d_T W_T that are a condition's own, from
-    its budget.
+    """Return the parts (standard uncertainty, nu) of d_exp W_exp + d_T W_T that are a condition's
+    own.
 
-    pairs: (W_exp, W_T) of each run, J. A run's level moves both, so that their scatter is that of
+    pairs: (W_exp, W_T) of each run, J. A run's level changes both, so that the scatter is that of
     the combination, run by run (GUM 5.2.3), and not that of W_exp alone.
     """
     parts = [
@@ -339,7 +350,9 @@ def own_parts(
 def difference_parts(
     lines: Sequence[Line], pairs: Sequence[tuple[float, float]]
 ) -> list[tuple[float, float]]:
-    """Parts (standard uncertainty, nu) of a condition's W_exp - W_T; pairs: see own_parts."""
+    """Return the parts (standard uncertainty, nu) of a condition's W_exp - W_T; pairs: see
+    own_parts.
+    """
     return [
         *((line.part - line.part_T, line.nu) for line in lines if line.shared),
         *own_parts(lines, pairs),
@@ -349,12 +362,11 @@ def difference_parts(
 def noise_of(
     energy: Energy, force: ChannelFacts, acceleration: ChannelFacts, samples: int
 ) -> float:
-    """Standard deviation of W in J from the noise of the two channels, for a window of so many
+    """Return the standard deviation of W, J, from the noise of the two channels over `samples`
     samples.
 
     Each quadrature of a phasor has sigma sqrt(2/N) of white noise; W = -(pi/w^2) Im(F A*) turns
-    them into energy. 1/f noise counts with its density at the drive, as white noise of that density
-    would.
+    them into energy. 1/f noise counts as white noise of its density at the drive frequency.
     """
     rate = samples * energy.frequency / energy.cycles
     first = abs(complex(energy.force[0]))
@@ -370,8 +382,9 @@ def noise_at(
     samples: int,
     rate: float,
 ) -> float:
-    """As noise_of, from the amplitudes of force F (N) and acceleration a (m/s^2) at the fundamental
-    (Hz), sampled at `rate` (Hz)."""
+    """Return the same from the amplitudes of force F (N) and acceleration a (m/s^2) at the
+    fundamental (Hz), sampled at `rate` (Hz).
+    """
     omega = 2 * math.pi * frequency
 
     def rms(channel: ChannelFacts) -> float:

@@ -7,13 +7,14 @@ __all__ = ["Line"]
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of the budget. unit: of u; c, c_T: J per that unit; shared: the same error in every
-    condition.
+    """A line of an uncertainty budget: one input quantity.
 
-    ratio, turn: what a unit of it does to force over acceleration: relative size, and angle in rad,
-    counted in the direction that raises W. Apparent mass and loss factor follow from these two
-    (`mass_and_loss`). stretch: factor in u, of the scatter between runs
-    (`analysis.uncertainty.skewed_scatter`).
+    u, unit, nu : standard uncertainty, its unit and its degrees of freedom
+    c, c_T : sensitivity of W_exp and of W_T, J per unit
+    shared : the same error in every condition
+    ratio, turn : change of force over acceleration per unit: relative magnitude, and angle in rad,
+        positive where it raises W; apparent mass and loss factor follow from them (`mass_and_loss`)
+    stretch : factor in u, of the scatter between runs (`analysis.uncertainty.skewed_scatter`)
     """
 
     source: str

@@ -1,4 +1,4 @@
-"""A measured value with its standard uncertainty: what the analysis returns."""
+"""Estimates: measured values with their standard uncertainty, the results of the analysis."""
 
 import math
 from collections.abc import Sequence
@@ -14,19 +14,21 @@ Array = NDArray[np.float64]
 Part = tuple[float, float]  # standard uncertainty, degrees of freedom
 
 LEVEL = 0.95  # coverage probability of every expanded uncertainty
-UNBOUNDED = 1e6  # degrees of freedom beyond which nothing is told from infinity
+UNBOUNDED = 1e6  # degrees of freedom that cannot be distinguished from infinity
 FEW = 30.0  # degrees of freedom below which a part's own uncertainty is an estimate from few values
 PRIOR = 1.4
-"""0 adds Student's errors, as GUM Supplement 1 does: up to 97.6 % instead of 95 % at 3 values. 2 is
-right to second order for many values (Ghosh and Kim, Canad. J. Statist. 29, 5 (2001)): down to 93.2
-% at 3. Between them the largest error of the coverage, over all shares, is least: 94.2 to 95.9 % at
-3 values, 94.7 to 95.6 % at 4 (tests)."""
+"""Exponent of the prior in `_spread_of`. 0 adds errors of Student's distributions, as GUM
+Supplement 1 does: up to 97.6 % instead of 95 % at 3 values. 2 is right to second order for many
+values (Ghosh and Kim, Canad. J. Statist. 29, 5 (2001)): down to 93.2 % at 3. In between, the
+largest error of the coverage over all fractions is least: 94.2 to 95.9 % at 3 values, 94.7 to 95.6
+% at 4 (tests).
+"""
 NODES = 64, 16  # of the quadratures over the two groups' variances: k is good to 1e-4 (tests)
 
 
 def coverage_factor(nu: float, level: float = LEVEL) -> float:
-    """Two-sided coverage factor k of Student's t at `nu` degrees of freedom (GUM G.3): 1.96 at
-    infinity, 3.18 at 3.
+    """Return the two-sided coverage factor k of Student's t at `nu` degrees of freedom (GUM G.3):
+    1.96 at infinity, 3.18 at 3.
     """
     from scipy.special import ndtri, stdtrit
 
@@ -35,8 +37,8 @@ def coverage_factor(nu: float, level: float = LEVEL) -> float:
 
 
 def effective_dof(parts: Sequence[Part]) -> float:
-    """Welch-Satterthwaite degrees of freedom (GUM eq. G.2b) of a sum with parts (standard
-    uncertainty, nu).
+    """Return the Welch-Satterthwaite degrees of freedom (GUM eq. G.2b) of a sum with parts
+    (standard uncertainty, nu).
 
     Infinite where no part with finite nu contributes.
     """
@@ -52,11 +54,11 @@ class Estimate:
     """A value, its standard uncertainty u (same unit) and the effective degrees of freedom nu of u
     (inf allowed).
 
-    groups: (u, nu) of what was estimated from few values and of the rest, where both contribute.
-    Their u are added in quadrature, but k is not Student's at nu: where a handful of refills
-    scatter little by chance, nu comes out large beside the certificates and U too small, so that it
-    holds the truth in 92 % instead of 95 % of the cases (3 refills, certificates of half their
-    uncertainty). k is that of the Behrens-Fisher problem instead, see _spread_of.
+    groups: (u, nu) of the parts that were estimated from few values, and of the rest, where both
+    contribute. The two u add in quadrature, but k is not Student's at nu: where a handful of
+    refills scatters little by chance, nu comes out large beside the certificates and U too small,
+    so that it contains the truth in 92 % instead of 95 % of the cases (3 refills, certificates of
+    half their uncertainty). k is that of the Behrens-Fisher problem instead, see _spread_of.
     """
 
     value: float
@@ -66,8 +68,11 @@ class Estimate:
 
     @classmethod
     def of(cls, value: float, parts: Sequence[Part]) -> "Estimate":
-        """From independent parts (standard uncertainty in the value's unit, nu),
-        Welch-Satterthwaite within each of the two groups."""
+        """Return the estimate from independent parts (standard uncertainty in the value's unit,
+        nu).
+
+        Welch-Satterthwaite within each of the two groups.
+        """
         few, rest = (
             [part for part in parts if part[0] and (part[1] < FEW) == small]
             for small in (True, False)
@@ -76,7 +81,7 @@ class Estimate:
         return cls(value, _root(parts), effective_dof(parts), groups if len(groups) > 1 else ())
 
     def parts(self, times: float = 1.0) -> tuple[Part, ...]:
-        """The independent parts that a multiple of it brings into another estimate."""
+        """Return the independent parts that a multiple of the estimate contributes to another one."""
         return tuple((times * u, nu) for u, nu in self.groups or ((self.u, self.nu),))
 
     @property
@@ -90,14 +95,14 @@ class Estimate:
         return self.k * self.u if self.u else 0.0
 
     def factor(self, level: float) -> float:
-        """Two-sided coverage factor for a level."""
+        """Return the two-sided coverage factor for a level."""
         if not self.groups:
             return coverage_factor(self.nu, level)
         share = (self.groups[0][0] / self.u) ** 2
         return _factor(share, self.groups[0][1], self.groups[1][1], level)
 
     def p(self) -> float:
-        """Two-sided p of the value against 0; 1 without uncertainty."""
+        """Return the two-sided p of the value against 0; 1 without uncertainty."""
         from scipy.special import ndtr, stdtr
 
         if not self.u:
@@ -108,23 +113,27 @@ class Estimate:
         inverse, weights = _spread_of(
             (self.groups[0][0] / self.u) ** 2, self.groups[0][1], self.groups[1][1]
         )
-        return float(weights @ (2 * ndtr(-t * inverse)))
+        # The weights add up to 1 but for round-off.
+        return min(1.0, float(weights @ (2 * ndtr(-t * inverse))))
 
 
 def _root(parts: Sequence[Part]) -> float:
+    """Return the root of the sum of squared uncertainties."""
     return math.sqrt(math.fsum(u * u for u, _ in parts))
 
 
 @lru_cache(maxsize=2**17)
 def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
-    """k of two groups by Halley's method, started at Welch and Satterthwaite's: each step triples
-    the digits.
+    """Return k of two groups by Halley's method, started from Welch and Satterthwaite's: each step
+    triples the digits.
+
+    share: fraction of u^2 that is due to the first group.
     """
     from scipy.special import ndtr
 
     inverse, weights = _spread_of(share, nu_few, nu_rest)
     k, change = coverage_factor(1 / (share**2 / nu_few + (1 - share) ** 2 / nu_rest), level), 1.0
-    while abs(change) > 1e-4 * k:  # what is left is of its third power
+    while abs(change) > 1e-4 * k:  # cubic convergence: the remaining error is about 1e-12
         deviates = k * inverse
         missing = level - float(weights @ (2 * ndtr(deviates) - 1))
         slope = weights * inverse * np.exp(-0.5 * deviates**2) * math.sqrt(2 / math.pi)
@@ -136,12 +145,12 @@ def _factor(share: float, nu_few: float, nu_rest: float, level: float) -> float:
 
 
 def _spread_of(share: float, nu_few: float, nu_rest: float) -> tuple[Array, Array]:
-    """What an error over u is distributed like: a mixture of normals, as 1/(standard deviation) and
+    """Return the distribution of error over u: a mixture of normals, as 1/(standard deviation) and
     weights.
 
-    share: of u^2 that comes from the first group. It is the posterior under the prior (s1 s2)^-(1 +
-    PRIOR) (s1^2 + s2^2)^(PRIOR/2) of the two groups' true uncertainties s, under which a group
-    alone has Student's k.
+    share: fraction of u^2 that is due to the first group. It is the posterior under the prior (s1
+    s2)^-(1 + PRIOR) (s1^2 + s2^2)^(PRIOR/2) of the two groups' true uncertainties s, under which a
+    group alone has Student's k.
     """
     few, w_few = _variances(nu_few, NODES[0])
     rest, w_rest = _variances(nu_rest, NODES[1])
@@ -152,9 +161,12 @@ def _spread_of(share: float, nu_few: float, nu_rest: float) -> tuple[Array, Arra
 
 @lru_cache(maxsize=256)
 def _variances(nu: float, nodes: int) -> tuple[Array, Array]:
-    """nu over chi^2 with nu + PRIOR degrees of freedom at the nodes of a quadrature over its
-    probability, and their weights; in the fourth root of the probability, because the variance is
-    large where that is small."""
+    """Return nu over chi^2 of nu + PRIOR degrees of freedom at the nodes of a quadrature, and their
+    weights.
+
+    The quadrature is over the fourth root of the probability, because the variance is large where
+    that is small.
+    """
     from scipy.special import gammaincinv
 
     if math.isinf(nu):
@@ -166,5 +178,6 @@ def _variances(nu: float, nodes: int) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=2)
 def _legendre(nodes: int) -> tuple[Array, Array]:
+    """Return nodes in (-1, 1) and weights of a Gauss-Legendre quadrature."""
     points, weights = np.polynomial.legendre.leggauss(nodes)
     return points, weights

@@ -1,12 +1,12 @@
-"""Variances of conditions that scatter differently, each from few repeats: shrunk towards what is
-expected of them.
+"""Variances of conditions that scatter differently, each from few repeats: shrunk towards their
+expected values.
 
-Four refills tell a variance with 3 degrees of freedom: alone they decide nearly nothing, and pooled
-they are wrong where one condition scatters more than another. So each variance is expected up to a
-common factor (the same in all where nothing is known), and the true ones are taken as drawn from
-s0^2 nu0/chi^2(nu0) times that, with s0 and nu0 estimated from all conditions of the session: where
-the expectation is right nu0 is large and the variances are expected ones with one factor; where it
-is not, each counts mostly for itself. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3 (2004).
+The variance of four refills has 3 degrees of freedom: alone it decides nearly nothing, and pooling
+is wrong where one condition scatters more than another. So the variances are expected up to a
+common factor (equal ones where nothing is known), and the true variances are modelled as draws from
+s0^2 nu0/chi^2(nu0) times the expected ones, with s0 and nu0 estimated from all conditions of the
+session. If the expectation is right, nu0 is large, and the variances are the expected ones with one
+factor; if not, each counts mostly for itself. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3 (2004).
 """
 
 import math
@@ -23,9 +23,13 @@ Part = tuple[float, float]  # variance, degrees of freedom
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """What the variances, over the expected ones, have in common: their size, the degrees of
-    freedom nu that it is worth (inf: all are the same); pooled, their mean; most, the degrees of
-    freedom of all conditions, which none can exceed."""
+    """The distribution of the variances over their expected values.
+
+    variance : typical ratio
+    nu : its degrees of freedom (inf: all ratios are equal)
+    pooled : mean ratio
+    most : degrees of freedom of all conditions together, which none can exceed
+    """
 
     variance: float
     nu: float
@@ -33,13 +37,15 @@ class Prior:
     most: float
 
     def moderated(self, variance: float, nu: float, expected: float | None = None) -> Part:
-        """A condition's variance with its degrees of freedom, from its own (nu = 0 without
-        repeats). expected: None where nothing is known of any.
+        """Return a condition's moderated variance with its degrees of freedom.
 
-        Never less than its own: refills have long tails, and those that hold one err by as much as
-        they scatter. Where nothing is expected never less than the mean of all either: a small
-        variance of a few refills is more often chance. Both keep false exclusions of the best at 5
-        % (tests/physics/test_claims_scatter.py).
+        variance, nu: its own (nu = 0 without repeats); expected: None where no variance is
+        expected.
+
+        Never less than its own: refills have long tails, and the mean of those that contain an
+        outlier errs by as much as they scatter. Without an expectation never less than the mean of
+        all either: a small variance of a few refills is more often chance. Both keep false
+        exclusions of the best at 5 % (tests/physics/test_claims_scatter.py).
         """
         least = max(variance, self.pooled if expected is None else 0.0)
         common = self.variance * (1.0 if expected is None else expected)
@@ -50,11 +56,12 @@ class Prior:
 
 
 def prior_of(parts: Sequence[Part]) -> Prior:
-    """The prior of positive variances over expected ones, each with its degrees of freedom (one at
-    least), by the moments of their logarithms.
+    """Return the prior, from ratios of positive variances to expected ones with their degrees of
+    freedom (at least 1).
 
-    ln s^2 of nu degrees of freedom has the mean ln sigma^2 + psi(nu/2) - ln(nu/2) and the variance
-    psi'(nu/2); what the logarithms vary beyond psi'(nu/2) is the spread of sigma^2, psi'(nu0/2).
+    By the moments of their logarithms: ln s^2 of nu degrees of freedom has the mean ln sigma^2 +
+    psi(nu/2) - ln(nu/2) and the variance psi'(nu/2); the variance of the logarithms beyond
+    psi'(nu/2) is that of ln sigma^2, psi'(nu0/2).
     """
     from scipy.special import psi
 
@@ -70,8 +77,9 @@ def prior_of(parts: Sequence[Part]) -> Prior:
 
 
 def _inverse_trigamma(value: float) -> float:
-    """x with psi'(x) = value > 0, by Newton's method on 1/psi', which is convex and nearly straight
-    (Smyth, appendix)."""
+    """Return x with psi'(x) = value > 0, by Newton's method on 1/psi', which is convex and nearly
+    straight (Smyth, appendix).
+    """
     x, change = 0.5 + 1 / value, math.inf
     while abs(change) > 1e-8 * x:
         tri = float(_zeta(2, x))
@@ -81,7 +89,7 @@ def _inverse_trigamma(value: float) -> float:
 
 
 def _zeta(order: int, x: float | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Hurwitz's zeta: psi'(x) is that of order 2, psi''(x) -2 times that of order 3."""
+    """Return Hurwitz's zeta: psi'(x) is that of order 2, psi''(x) -2 times that of order 3."""
     from scipy import special
 
     zeta: Callable[..., NDArray[np.float64]] = special.zeta

@@ -1,4 +1,4 @@
-"""Comparisons of several means: p values that keep the error of all of them together.
+"""Comparisons of several means: p values that control the error of all comparisons together.
 
 All tests take means of ln W, each with its variance and degrees of freedom: a scale error of a
 sensor adds the same to every ln W and cancels in each difference.
@@ -17,21 +17,21 @@ __all__ = ["Mean", "beaten", "holm", "one_sided_p", "welch"]
 
 Array = NDArray[np.float64]
 Mean = tuple[float, float, float]
-"""A mean, its variance, and the degrees of freedom of that."""
+"""A mean, its variance, and the degrees of freedom of the variance."""
 
 GROUPS = 64
-"""Most groups of similar variance into which the means are sorted."""
+"""Largest number of groups of similar variance."""
 
-REACH, STEP = 7.0, 0.05  # of the sum over a normal deviate, standard deviations
+REACH, STEP = 7.0, 0.05  # range and step of sums over a mean's own error, standard deviations
 
 
 def one_sided_p(t: float, nu: float) -> float:
-    """P(T > t) of Student's t with nu degrees of freedom (inf: normal)."""
+    """Return P(T > t) of Student's t with nu degrees of freedom (inf: normal)."""
     return float(_tail(np.array([t]), np.array([1 / nu]))[0])
 
 
 def _tail(t: Array, inverse: Array) -> Array:
-    """P(T > t) of Student's t with 1/`inverse` degrees of freedom (0: normal)."""
+    """Return P(T > t) of Student's t with 1/`inverse` degrees of freedom (0: normal)."""
     from scipy.special import ndtr, stdtr
 
     found: Array = ndtr(-t)
@@ -41,8 +41,8 @@ def _tail(t: Array, inverse: Array) -> Array:
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
-    """Holm's adjusted p values (Scand. J. Statist. 6, 65 (1979)), in the order given: p <= level
-    rejects.
+    """Return Holm's adjusted p values (Scand. J. Statist. 6, 65 (1979)), in the order given: p <=
+    level rejects.
     """
     order = sorted(range(len(p_values)), key=p_values.__getitem__)
     adjusted = [0.0] * len(p_values)
@@ -54,9 +54,11 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 
 def welch(one: Mean, other: Mean, most: float = math.inf) -> tuple[float, float]:
-    """t of the difference of two means, and its degrees of freedom after Welch and Satterthwaite;
-    at most `most`, all that the session has: variances moderated by one prior rest on the same
-    refills."""
+    """Return t of the difference of two means and its degrees of freedom (Welch-Satterthwaite).
+
+    most: upper limit of these, the degrees of freedom of the session: variances moderated by one
+    prior rest on the same refills.
+    """
     (a, v_a, nu_a), (b, v_b, nu_b) = one, other
     nu = effective_dof([(math.sqrt(v_a), nu_a), (math.sqrt(v_b), nu_b)])
     return (a - b) / math.sqrt(v_a + v_b), min(nu, most)
@@ -68,10 +70,10 @@ def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
     The means with p above a level contain the best with a probability of at least 1 - level
     (multiple comparisons with the best; Hsu, Ann. Statist. 9, 1026 (1981)).
 
-    Means scatter differently, so each comparison has its own error and degrees of freedom. The
-    clearest comparison of a mean is judged against the distribution of the clearest of as many by
-    chance. All of them share the mean's own error: a mean that scatters much is compared with all
-    others at nearly the level of a single test. most: see `welch`.
+    Means scatter differently, so each comparison has its own error and degrees of freedom. The most
+    significant comparison of a mean is judged against the distribution of the most significant of
+    as many by chance. All of them contain the mean's own error: a mean that scatters much is
+    compared with all others at nearly the level of a single test. most: see `welch`.
     """
     from scipy.special import ndtr, ndtri
 
@@ -104,12 +106,12 @@ def beaten(means: Sequence[Mean], most: float = math.inf) -> tuple[float, ...]:
 def _alike(
     means: Sequence[Mean],
 ) -> tuple[NDArray[np.int64], Array, Array, Array, Array, NDArray[np.int64]]:
-    """Return the group of each mean, and of each group the largest two means, variance, degrees of
+    """Return the group of each mean, and of each group its two largest means, variance, degrees of
     freedom and size.
 
-    Up to `GROUPS` means stand alone, and all is exact. More are put together with those that
-    scatter nearly as much: each is taken for the mean variance of its group and the fewest degrees
-    of freedom in it, so that the work grows with the means and not with their pairs.
+    Up to `GROUPS` means each form their own group, and the result is exact. More means are grouped
+    by similar variance: each counts with the mean variance of its group and the fewest degrees of
+    freedom in it, so that the work grows with the number of means and not with that of pairs.
     """
     value, variance, nu = np.array(means).T
     order = np.argsort(variance, kind="stable")
@@ -133,7 +135,7 @@ def _alike(
 
 @lru_cache(maxsize=1)
 def _normal() -> tuple[Array, Array]:
-    """Normal deviates and their weights, whose sum is 1."""
+    """Return normal deviates and their weights, whose sum is 1."""
     deviates = np.arange(-REACH, REACH + STEP / 2, STEP)
     weights = np.exp(-(deviates**2) / 2)
     return deviates, weights / weights.sum()

@@ -1,12 +1,12 @@
-"""A linear law fitted to runs whose scatter is only partly known.
+"""Linear regression of runs whose scatter is only partly known.
 
-The instruments' noise is known from their sheets. What comes to it is not: a scatter that grows
-with the level, with the energy itself, or between the two, of a size that a handful of residuals
-tell poorly. Taking weights from the residuals and then believing them makes u too small. So the
-unknown law is integrated out: every shape and size of the further variance counts as much as the
-residuals bear it out (their restricted likelihood; Harville, J. Am. Stat. Assoc. 72, 320 (1977)),
-under Jeffreys' prior of a variance added to known ones. Where noise explains the residuals, few
-runs do; where they tell of nothing but themselves it is Student's t.
+The instruments' noise is known from their data sheets. The further scatter is not: it may grow with
+the level, with the energy, or in between, and a handful of residuals determines its size poorly.
+Weights taken from the residuals and then treated as known make u too small. So the unknown law is
+integrated out: every shape and size of the further variance is weighted with its restricted
+likelihood (Harville, J. Am. Stat. Assoc. 72, 320 (1977)), under Jeffreys' prior of a variance added
+to known ones. Where noise explains the residuals, a few runs suffice; where only the residuals say
+anything, the result is Student's t.
 """
 
 import math
@@ -22,12 +22,13 @@ __all__ = ["coefficient"]
 Array = NDArray[np.float64]
 
 BELOW, ABOVE = 0.03, 1e6
-"""Sizes of the further variance, from this fraction of the known to so many squared residuals: the
-restricted likelihood of one degree of freedom leaves 0.1 % beyond."""
-STEP = 0.35  # of ln(variance): a residual variance of 10 degrees of freedom is known to 0.45
-POINTS = 60  # of the finer grid, where the likelihood is narrower
-HALVED = 1e-12  # of the interval's half-width: how well it is found
-NEGLIGIBLE = 14.0  # of ln(weight) below the highest
+"""Range of sizes of the further variance: from this fraction of the known one to this multiple of
+the squared residuals. The restricted likelihood of one degree of freedom has 0.1 % beyond it.
+"""
+STEP = 0.35  # grid of ln(variance): a residual variance of 10 degrees of freedom is known to 0.45
+POINTS = 60  # of the finer grid for a narrower likelihood
+HALVED = 1e-12  # relative tolerance of the interval's half-width
+NEGLIGIBLE = 14.0  # ln(weight) below the highest at which a grid point no longer counts
 
 
 def coefficient(
@@ -36,7 +37,8 @@ def coefficient(
     """Return coefficient `which` of values = design @ coefficients.
 
     design: (runs, unknowns), of full rank, more runs than unknowns; known: (runs,) variances of
-    `values`; shapes: (runs,) each, what a further variance may grow like, all of the same mean.
+    `values`; shapes: (runs,) each, proportions in which a further variance may grow, all with the
+    same mean.
     """
     scale = np.sqrt(known + shapes[0] * float((known / shapes[0]).mean()))
     base, triangle = np.linalg.qr(design / scale[:, None])
@@ -61,8 +63,11 @@ def coefficient(
 def _under(
     sizes: Array, base: Array, residual: Array, known: Array, shapes: Sequence[Array], load: Array
 ) -> tuple[Array, Array, Array]:
-    """Of every (shape, ln size) of the further variance: ln of its weight, and the coefficient's
-    mean (beside the start's) and variance under it."""
+    """Return ln of the weight of every (shape, ln size) of the further variance, and under it the
+    coefficient's mean and variance.
+
+    The mean is relative to that of the starting solution.
+    """
     runs, unknowns = base.shape
     products = (base[:, :, None] * base[:, None, :]).reshape(runs, -1)
     found = []
@@ -82,8 +87,11 @@ def _under(
 
 
 def _as_student(start: float, weight: Array, mean: Array, variance: Array) -> Estimate:
-    """Return a mixture of normals as an Estimate: its mean and 95 % interval, and the degrees of
-    freedom from how far the mixture leaves 1/variance open (2/nu, relative, for Student's t)."""
+    """Return a mixture of normals as an Estimate: its mean and 95 % interval.
+
+    The degrees of freedom follow from the relative variance of 1/variance over the mixture: 2/nu
+    for Student's t.
+    """
     from scipy.special import ndtr
 
     weight = weight / weight.sum()
@@ -100,8 +108,7 @@ def _as_student(start: float, weight: Array, mean: Array, variance: Array) -> Es
             @ (ndtr((half - mean + center) / spread) - ndtr((-half - mean + center) / spread))
         )
 
-    # halved, not scipy.optimize's root: importing that takes longer than all other numbers of a
-    # report
+    # Bisection, not scipy.optimize: importing that takes longer than computing the whole report.
     least, most = 0.0, 2 * float(np.max(np.abs(mean - center) + 2 * spread))
     while most - least > HALVED * most:
         half = (least + most) / 2

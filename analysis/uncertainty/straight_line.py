@@ -1,10 +1,9 @@
-"""Straight line through points with errors in both coordinates, any of them correlated.
+"""A straight line through points with errors in both coordinates, any of them correlated.
 
-Generalised least squares, the problem of ISO/TS 28037:2010 clause 10; for points that are
-independent of each other it is York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and
-ODRPACK takes no covariance between points, which is what instruments that all conditions share
-make. That covariance is of low rank, so that no matrix of points by points is ever made: time and
-memory grow as their number.
+Generalised least squares, the problem of ISO/TS 28037:2010 clause 10; for independent points it is
+York's (Am. J. Phys. 72, 367 (2004)). scipy.odr is deprecated, and ODRPACK takes no covariance
+between points, which instruments common to all conditions cause. That covariance has low rank, so
+that no matrix of points by points is ever formed: time and memory grow with the number of points.
 """
 
 import math
@@ -18,16 +17,18 @@ __all__ = ["Errors", "StraightLine", "fitted"]
 Array = NDArray[np.float64]
 
 STEPS = 200
-ENOUGH = 1e-12  # relative change of the slope at which a step ends the search
-ROUNDED = 1e-6  # below it a change that is no smaller than the last one is round-off (of the inverses), and ends it too
+ENOUGH = 1e-12  # relative change of the slope at which the iteration has converged
+ROUNDED = 1e-6
+"""Relative change of the slope below which a step that is no smaller than the last one is round-off (of
+the inverses), and ends the iteration too."""
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Errors of m points: what each has of its own, and what r sources make in all of them.
+    """Errors of m points: each point's own, and those that r common sources make in all of them.
 
-    own_x, own_y, own_xy: variances of x and of y and their covariance, (m,). common_x, common_y:
-    what one standard deviation of each source does to x and to y, (m, r).
+    own_x, own_y, own_xy : variances of x and of y and their covariance, (m,)
+    common_x, common_y : change of x and of y per standard deviation of each source, (m, r)
     """
 
     own_x: Array
@@ -37,7 +38,7 @@ class Errors:
     common_y: Array
 
     def x_with(self, slope: float, dual: Array) -> Array:
-        """Covariance of x with y - slope x, (m, m), times `dual`, (m,)."""
+        """Return the covariance of x with y - slope x, (m, m), times `dual`, (m,)."""
         common = self.common_x @ ((self.common_y - slope * self.common_x).T @ dual)
         return np.asarray((self.own_xy - slope * self.own_x) * dual + common)
 
@@ -52,6 +53,7 @@ class Weight:
     """
 
     def __init__(self, errors: Errors, slope: float) -> None:
+        """Factor the inverse for the errors of the points and a slope."""
         variance = errors.own_y - 2 * slope * errors.own_xy + slope**2 * errors.own_x
         if not np.all(variance > 0):
             raise ValueError(
@@ -63,13 +65,17 @@ class Weight:
         self._shrink = 1 / np.sqrt(1 + s**2)[:, None]
 
     def whitened(self, columns: Array) -> Array:
-        """Columns, (m, n), as (m + r, n) whose products are those with the inverse between them."""
+        """Return columns, (m, n), as (m + r, n), such that scalar products of the results contain
+        the inverse.
+        """
         scaled = columns / self._root
         along = self._Q.T @ scaled
         return np.concatenate([scaled - self._Q @ along, self._shrink * along])
 
     def dual(self, whitened: Array) -> Array:
-        """The inverse times the columns that `whitened` gave this for, (m, n)."""
+        """Return the inverse times columns, (m, n), from the result of `whitened` for these
+        columns.
+        """
         m = len(self._root)
         apart = whitened[:m]
         return np.asarray((apart + self._Q @ (self._shrink * whitened[m:])) / self._root)
@@ -77,12 +83,15 @@ class Weight:
 
 @dataclass(frozen=True, eq=False)
 class StraightLine:
-    """y = slope x + intercept. intercept: 0 where the line is led through the origin.
+    """The line y = slope x + intercept.
 
-    covariance: of (slope, intercept), or of the slope alone (1, 1). to_y: derivatives of the slope
-    with respect to each y, those with respect to each x are -slope times them; offset_to_y: the
-    same of the intercept (zeros through the origin). chi2: sum of squares weighted with the
-    covariance, of dof degrees of freedom where the line is true.
+    intercept : 0 for a line forced through the origin
+    covariance : of (slope, intercept), or of the slope alone (1, 1)
+    to_y : derivatives of the slope with respect to each y; those with respect to each x are -slope
+        times them
+    offset_to_y : the same of the intercept (zeros through the origin)
+    chi2 : sum of squares weighted with the inverse covariance
+    dof : its degrees of freedom where the line is true
     """
 
     slope: float
@@ -95,14 +104,14 @@ class StraightLine:
 
 
 def fitted(x: Array, y: Array, errors: Errors, origin: bool = False) -> StraightLine:
-    """The line through points x, y, (m,).
+    """Return the line through points x, y, (m,).
 
-    origin: lead it through the origin. ValueError for fewer points than the line has parameters, or
-    a point without an error of its own.
+    origin: force it through the origin. ValueError for fewer points than the line has parameters,
+    or a point without an error of its own.
     """
     m, count = len(x), 1 if origin else 2
     if m < count:
-        raise ValueError(f"{m} points do not tell a line with {count} parameters")
+        raise ValueError(f"{m} points do not determine a line with {count} parameters")
     slope, intercept = float(y @ x / (x @ x)) if origin else float(np.polyfit(x, y, 1)[0]), 0.0
     last = math.inf
     ones = np.ones((m, 1))
@@ -110,10 +119,11 @@ def fitted(x: Array, y: Array, errors: Errors, origin: bool = False) -> Straight
         weight = Weight(errors, slope)
         rest = weight.whitened((y - slope * x)[:, None])
         level = weight.whitened(ones)
-        if not origin:  # the intercept that belongs to this slope
+        if not origin:
+            # the best intercept for this slope
             intercept = float((level.T @ rest).item() / (level.T @ level).item())
             rest -= intercept * level
-        # x less how much of the residual is x's own error: where the point lies
+        # x corrected by its expected error, given the residual: the nearest point of the line
         at = x - errors.x_with(slope, weight.dual(rest)[:, 0])
         on_line = weight.whitened(at[:, None])
         design = on_line if origin else np.hstack([on_line, level])

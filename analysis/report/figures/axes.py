@@ -1,4 +1,4 @@
-"""A panel with two axes: data in, marks of a drawing out."""
+"""A panel with two axes, which turns data into the marks of a drawing."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -30,14 +30,19 @@ MARKERS = "osD^v"
 
 WIDTH, HEIGHT = 356.0, 236.0
 LEFT, RIGHT, TOP, BOTTOM = 66.0, 8.0, 24.0, 40.0
-NEAR = 20.0  # of a signed logarithmic axis: linear within
+NEAR = 20.0  # bound of the linear part of a signed logarithmic axis
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """An axis. low, high: its ends; place: value to 0..1; ticks: values that are labelled."""
+    """An axis.
+
+    low, high : its ends
+    place : function from a value to 0..1
+    ticks : the values that are labelled
+    """
 
     low: float
     high: float
@@ -46,8 +51,9 @@ class Scale:
 
 
 def linear(values: Iterable[float], zero: bool = False, most: int = 6) -> Scale:
-    """A linear axis around values, a little wider; zero: it starts or ends at 0 where all are on
-    one side.
+    """Return a linear axis around values, a little wider.
+
+    zero: it begins or ends at 0 where all values are on one side.
     """
     low, high = _ends(values)
     if zero:
@@ -66,7 +72,7 @@ def linear(values: Iterable[float], zero: bool = False, most: int = 6) -> Scale:
 
 
 def logarithmic(values: Iterable[float]) -> Scale:
-    """A logarithmic axis around positive values, a little wider."""
+    """Return a logarithmic axis around positive values, a little wider."""
     low, high = _ends(value for value in values if value > 0)
     low, high = (low, high) if low > 0 else (0.1, 10.0)
     room = 1.15 if high > 1.5 * low else 3.0  # a single value: wide enough for ticks beside it
@@ -79,15 +85,21 @@ def logarithmic(values: Iterable[float]) -> Scale:
     ]
     within = [value for value in found if low <= value <= high]
     tens = [value for value in within if f"{value:e}".startswith("1.")]
-    ticks = within if len(within) <= 6 else tens if len(tens) <= 7 else tens[:: -(-len(tens) // 6)]
+    if len(within) <= 6:
+        ticks = within
+    elif len(tens) <= 7:
+        ticks = tens
+    else:
+        ticks = tens[:: -(-len(tens) // 6)]
     return Scale(
         low, high, lambda value: (math.log(max(value, low / 1e3)) - first) / decades, tuple(ticks)
     )
 
 
 def signed_logarithmic(values: Iterable[float]) -> Scale:
-    """Linear within ±NEAR, logarithmic beyond: an offset of some microjoules can be thousands of
-    per cent.
+    """Return an axis that is linear within ±NEAR and logarithmic beyond.
+
+    The offset of a tiny energy can be thousands of per cent.
     """
     low, high = _ends(values)
     low, high = min(low, -NEAR / 2), max(high, NEAR / 2)
@@ -111,11 +123,13 @@ def signed_logarithmic(values: Iterable[float]) -> Scale:
 
 
 def _ends(values: Iterable[float]) -> tuple[float, float]:
+    """Return the least and the largest finite value; (0, 1) without any."""
     known = [value for value in values if math.isfinite(value)]
     return (min(known), max(known)) if known else (0.0, 1.0)
 
 
 def _round_values(low: float, high: float, most: int) -> tuple[float, ...]:
+    """Return at most about `most` round values from low to high."""
     rough = (high - low) / most
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(digit * power for digit in STEPS if digit * power >= rough * (1 - 1e-9))
@@ -125,7 +139,7 @@ def _round_values(low: float, high: float, most: int) -> tuple[float, ...]:
 
 @dataclass
 class Panel:
-    """Collects the marks of a panel; `drawing` gives them with the frame behind."""
+    """A panel in the making: its methods add marks, and `drawing` returns them on their frame."""
 
     x: Scale
     y: Scale
@@ -133,11 +147,11 @@ class Panel:
     y_label: str
     title: str = ""
     height: float = HEIGHT
-    names: Sequence[str] = ()  # of x = 0, 1, 2, ... instead of numbers
+    names: Sequence[str] = ()  # tick labels of x = 0, 1, 2, ... instead of numbers
     marks: list[Mark] = field(default_factory=list)
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Pixels of a point, kept within the frame."""
+        """Return the pixel position of a point, kept within the frame."""
         across, up = (min(max(s.place(v), 0.0), 1.0) for s, v in ((self.x, x), (self.y, y)))
         return LEFT + across * (WIDTH - LEFT - RIGHT), self.height - BOTTOM - up * (
             self.height - TOP - BOTTOM
@@ -151,7 +165,7 @@ class Panel:
         width: float = 1.6,
         dash: str = "",
     ) -> None:
-        """A broken line through points; a single point is given a width."""
+        """Draw a broken line through points; a single point becomes a short line."""
         self.marks.append(
             PlottedLine(
                 self._widened([self.at(*point) for point in zip(x, y, strict=True)]),
@@ -169,7 +183,7 @@ class Panel:
         colour: str,
         opacity: float,
     ) -> None:
-        """The area between two lines; of a single point, a bar of some width."""
+        """Draw the area between two lines; a single point becomes a bar."""
         below, above = (
             self._widened([self.at(*p) for p in zip(x, y, strict=True)]) for y in (low, high)
         )
@@ -182,11 +196,11 @@ class Panel:
         return [(x - 12, y), (x + 12, y)]
 
     def level(self, y: float, colour: str, width: float = 1.2, dash: str = "") -> None:
-        """A horizontal line across the frame."""
+        """Draw a horizontal line across the frame."""
         self.line((self.x.low, self.x.high), (y, y), colour, width, dash)
 
     def spread(self, low: float, high: float, colour: str, opacity: float) -> None:
-        """A horizontal band across the frame."""
+        """Draw a horizontal band across the frame."""
         self.band((self.x.low, self.x.high), (low, low), (high, high), colour, opacity)
 
     def bars(
@@ -197,7 +211,7 @@ class Panel:
         colour: str,
         shape: str = "o",
     ) -> None:
-        """Dots with bars of ±U."""
+        """Draw dots with bars of ±U."""
         for each, value, half in zip(x, y, U, strict=True):
             (across, low), (_, high) = self.at(each, value - half), self.at(each, value + half)
             if low - high > 2:
@@ -210,13 +224,13 @@ class Panel:
 
     def dots(self, x: Sequence[float], y: Sequence[float], colour: str, shape: str = "o", radius: float = 2.0,
              hollow: bool = True) -> None:  # fmt: skip
-        """Small dots: single runs."""
+        """Draw small dots: single runs."""
         self.marks += [
             Dot(self.at(*p), shape, colour, radius, hollow) for p in zip(x, y, strict=True)
         ]
 
     def column(self, x: float, low: float, high: float, colour: str, width: float = 0.6) -> None:
-        """A column of a bar chart from low to high."""
+        """Draw a column of a bar chart from low to high."""
         (left, top), (right, bottom) = self.at(x - width / 2, high), self.at(x + width / 2, low)
         self.marks.append(
             Area(((left, top), (right, top), (right, bottom), (left, bottom)), colour)
@@ -231,12 +245,12 @@ class Panel:
         up: float = 6.0,
         colour: str = INK,
     ) -> None:
-        """Words at a point of the data, so many pixels above it."""
+        """Write text at a point of the data, `up` pixels above it."""
         across, down = self.at(x, y)
         self.marks.append(Word((across, down - up), text, anchor, 10.5, colour=colour))
 
     def drawing(self) -> Drawing:
-        """The panel with its frame, ticks and labels."""
+        """Return the panel with its frame, ticks and labels."""
         low, base = LEFT, self.height - BOTTOM
         marks: list[Mark] = [Word((LEFT, 15.0), self.title, bold=True)] if self.title else []
         for value in self.y.ticks:
@@ -259,7 +273,9 @@ class Panel:
 
 
 def tick(value: float) -> str:
-    """A tick's number: short, with a real minus, an exponent only where it is very large or small."""
+    """Return the label of a tick: short, with a real minus, an exponent only for very large or
+    small values.
+    """
     value = 0.0 if abs(value) < 1e-12 else value
     if value and not 1e-3 <= abs(value) < 1e6:
         digits, power = f"{value:.3e}".split("e")
@@ -272,8 +288,10 @@ def tick(value: float) -> str:
 
 
 def legend(entries: Sequence[tuple[str, str, str]]) -> Drawing:
-    """What lines, bands and dots mean. entries: (kind, colour, words), kind a marker's shape,
-    `line`, `dash`, `run` or `band`."""
+    """Return a legend of lines, bands and dots.
+
+    entries: (kind, colour, words), kind a marker's shape, `line`, `dash`, `run` or `band`.
+    """
     marks: list[Mark] = []
     for row, (kind, colour, words) in enumerate(entries):
         y = 12.0 + 18 * row

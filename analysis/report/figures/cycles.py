@@ -23,12 +23,14 @@ from analysis.text import counted
 
 __all__ = ["repeats_plot", "waveform_plot"]
 
-POINTS = 400  # of a drawn cycle
+POINTS = 400  # drawn for a cycle
 LINES = 30  # harmonics shown
 
 
 def waveform_plot(report: Report) -> Plot | None:
-    """Force against displacement, one cycle of both channels, their spectra; None without phasors."""
+    """Return force against displacement, a cycle of both channels, and their spectra; None without
+    phasors.
+    """
     found = report.waveforms
     if not found or not found.force:
         return None
@@ -81,8 +83,8 @@ def waveform_plot(report: Report) -> Plot | None:
 
 
 def repeats_plot(report: Report) -> Plot | None:
-    """W of each cycle in the runs of one condition, and of each run against the order in which they
-    were made.
+    """Return W of each cycle of the runs of one condition, and of each run against the order of the
+    runs.
     """
     found = report.waveforms
     if not found:
@@ -104,27 +106,27 @@ def repeats_plot(report: Report) -> Plot | None:
         for n, (name, _) in enumerate(runs[: len(SERIES)])
     ]
     panels = [legend(names), panel.drawing()]
-    told = [
+    drawn = [
         (float(run.order), 100 * (run.W_exp / row.W_exp - 1))
         for row in report.conditions
         if len(row.runs) > 1 and row.W_exp > row.detected
         for run in row.runs
     ]
-    count, told = len(told), list(thinned(told))
-    if told:
-        drift = Panel(linear([x for x, _ in told]), linear([0.0, *(y for _, y in told)]), "order of the runs",
+    count, drawn = len(drawn), list(thinned(drawn))
+    if drawn:
+        drift = Panel(linear([x for x, _ in drawn]), linear([0.0, *(y for _, y in drawn)]), "order of the runs",
                       "W over its mean − 1, %", "Every run")  # fmt: skip
         drift.level(0.0, INK, 0.8)
-        drift.dots([x for x, _ in told], [y for _, y in told], BLUE, radius=2.5)
+        drift.dots([x for x, _ in drawn], [y for _, y in drawn], BLUE, radius=2.5)
         panels.append(drift.drawing())
     counted_runs = (
-        f"{count} runs" if len(told) == count else f"{len(told)} of {count} runs, evenly chosen,"
+        f"{count} runs" if len(drawn) == count else f"{len(drawn)} of {count} runs, evenly chosen,"
     )
     alt = (
         f"W of every cycle in {counted(len(runs), 'run')} of {found.condition}"
         + (
             f", and of {counted_runs} over the mean of their condition in the order they were made"
-            if told
+            if drawn
             else ""
         )
         + ": a trend would show what had not settled, or drift. The numbers are in report.json."

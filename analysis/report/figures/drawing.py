@@ -1,7 +1,7 @@
-"""Drawings made of lines, areas, dots and words, and their SVG: equal drawings give equal bytes; no
-library is loaded.
+"""Drawings of lines, areas, dots and words, and their SVG; no library is loaded.
 
-Lengths are pixels, y points down. Small enough that one fits a phone; several make a figure.
+Equal drawings give equal bytes. Lengths are pixels, y points down. A drawing is small enough to fit
+a phone; several make a figure.
 """
 
 from collections.abc import Iterable, Sequence
@@ -30,12 +30,12 @@ Points = Sequence[tuple[float, float]]
 FONT = "system-ui, sans-serif"
 GAP = 12.0  # between the drawings of a figure
 MOST_POINTS = 500
-"""Of a panel's dots or bars: more hide each other, and make a page slow."""
+"""Largest number of dots or bars in a panel: more cover each other, and make a page slow."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlottedLine:
-    """A broken line. dash: SVG's stroke-dasharray, empty for a full line."""
+    """A broken line; dash: SVG's stroke-dasharray, empty for a solid line."""
 
     points: Points
     colour: str
@@ -54,7 +54,7 @@ class Area:
 
 @dataclass(frozen=True, slots=True)
 class Dot:
-    """A marker. shape: o, s (square), D (diamond), ^ or v; hollow: only its rim."""
+    """A marker; shape: o, s (square), D (diamond), ^ or v; hollow: only its outline."""
 
     at: tuple[float, float]
     shape: str
@@ -65,8 +65,8 @@ class Dot:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """Text. anchor: start, middle or end of it is at the point; upright: turned by a quarter, read
-    from below.
+    """Text; anchor: which of its start, middle or end is at the point; upright: turned by a
+    quarter, read from below.
     """
 
     at: tuple[float, float]
@@ -83,7 +83,9 @@ Mark = PlottedLine | Area | Dot | Word
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Marks on a sheet of so many pixels; title: what it is, for who cannot see it."""
+    """Marks on a sheet, width and height in pixels; title: its content, for readers who cannot see
+    it.
+    """
 
     width: float
     height: float
@@ -93,11 +95,12 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """A figure ready for a page. name: of its file; alt: what it shows, in words; panels: its
-    drawings, in order.
+    """A figure ready for a page.
 
-    across: how many of them stand beside each other in the file. A page puts as many as there is
-    room for.
+    name : of its file
+    alt : its content, in words
+    panels : its drawings, in order
+    across : number of drawings side by side in the file; a page uses as many as there is room for
     """
 
     name: str
@@ -108,7 +111,7 @@ class Plot:
 
     @property
     def svg(self) -> str:
-        """The whole figure as an SVG file."""
+        """Return the whole figure as an SVG file."""
         return (
             '<?xml version="1.0" encoding="utf-8"?>\n'
             + svg_text(arranged(self.panels, self.across), self.alt)
@@ -117,17 +120,17 @@ class Plot:
 
 
 def thinned(points: Sequence[Any], most: int = MOST_POINTS) -> Sequence[Any]:
-    """At most so many of some points, evenly over their order."""
+    """Return at most `most` of some points, evenly spaced in their order."""
     return points[:: -(-len(points) // most)] if len(points) > most else points
 
 
 def thinned_words(shown: int, count: int) -> str:
-    """What a figure says where it does not show all points; "" where it does."""
+    """Return a sentence for a figure that does not show all points; "" where it does."""
     return f" Shown are {shown} of {count}, evenly chosen." if shown < count else ""
 
 
 def arranged(panels: Sequence[Drawing], across: int) -> Drawing:
-    """Drawings as one, `across` in a row."""
+    """Return drawings as one, `across` in a row."""
     marks: list[Mark] = []
     top, widest = 0.0, 0.0
     for first in range(0, len(panels), across):
@@ -141,7 +144,9 @@ def arranged(panels: Sequence[Drawing], across: int) -> Drawing:
 
 
 def svg_text(drawing: Drawing, label: str) -> str:
-    """A drawing as an SVG element of its own size, with a label for who cannot see it."""
+    """Return a drawing as an SVG element of its own size, with a label for readers who cannot see
+    it.
+    """
     width, height = f"{drawing.width:g}", f"{drawing.height:g}"
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" '
@@ -166,7 +171,7 @@ def _shifted(points: Points, right: float, down: float) -> Points:
 
 
 def outline(dot: Dot) -> Points:
-    """Corners of a dot that is no circle."""
+    """Return the corners of a dot that is no circle."""
     (x, y), r = dot.at, dot.radius
     if dot.shape == "s":
         return ((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r))

@@ -1,4 +1,4 @@
-"""Figures of the energy per cycle against what was varied."""
+"""Figures of the energy per cycle against the quantities that were varied."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -32,21 +32,23 @@ AXES: dict[str, tuple[str, float]] = {
 UNITS = {"diameter": ("mm", 1e3), "fill": ("%", 100.0), "frequency": ("Hz", 1.0), "acceleration_set": ("m/s²", 1.0),
          "density": ("g/cm³", 1e-3)}  # fmt: skip
 MOST_PANELS = 12
-MOST_CONDITIONS = 100  # of a panel
-SAME = 2e-3  # relative
+MOST_CONDITIONS = 100  # in a panel
+SAME = 2e-3  # relative difference of settings that count as equal
 MOST_SERIES = len(SERIES)
 MARKS = [
     ("o", BLUE, "W_exp measured, with U (95 %)"),
     ("run", BLUE, "single runs"),
     ("line", ORANGE, "W_T predicted"),
     ("band", ORANGE, "its U (95 %)"),
-    ("band", GREY, "below W_detect: not told from a phase error"),
+    ("band", GREY, "below W_detect: may be a phase error"),
 ]
 
 
 def energy_plots(report: Report) -> tuple[Plot, ...]:
-    """W against a for each fill, size, density or frequency, linear and logarithmic; W against what
-    else was varied.
+    """Return the figures of W against the quantities that the conditions vary.
+
+    W against a for each fill, size, density or frequency, on linear and logarithmic axes; W against
+    the other varied quantity.
     """
     rows = _snapped(report.conditions)
     if not rows:
@@ -64,8 +66,10 @@ def energy_plots(report: Report) -> tuple[Plot, ...]:
 
 
 def _snapped(rows: Sequence[ConditionRow]) -> list[ConditionRow]:
-    """The conditions with settings that agree within SAME made equal: a frequency or level that was
-    found in a record is never twice the same."""
+    """Return the conditions with settings that agree within SAME made equal.
+
+    A frequency or level that was estimated from a record is never twice the same.
+    """
     changed: list[dict[str, float]] = [{} for _ in rows]
     for name in AXES:
         known = [
@@ -83,8 +87,8 @@ def _snapped(rows: Sequence[ConditionRow]) -> list[ConditionRow]:
 
 
 def swept(rows: Sequence[ConditionRow]) -> str:
-    """The quantity that the conditions vary: fill, density, diameter or frequency, else the
-    acceleration.
+    """Return the quantity that the conditions vary: fill, density, diameter or frequency, otherwise
+    the acceleration.
     """
     known = (name for name in AXES if all(getattr(row, name) is not None for row in rows))
     varied = (name for name in known if len({getattr(row, name) for row in rows}) > 1)
@@ -92,8 +96,8 @@ def swept(rows: Sequence[ConditionRow]) -> str:
 
 
 def series(rows: Sequence[ConditionRow], x: str) -> dict[str, list[ConditionRow]]:
-    """Conditions that differ in more than x, by the label that tells them apart, each in the order
-    of x.
+    """Return the conditions grouped by their settings other than x, by the label of the group, each
+    in the order of x.
     """
     kept = (
         "bed",
@@ -122,7 +126,7 @@ def series(rows: Sequence[ConditionRow], x: str) -> dict[str, list[ConditionRow]
 
 
 def word(name: str, value: str | float | None) -> str:
-    """A setting in words."""
+    """Return a setting in words."""
     if value is None:
         return f"{name} not known"
     if name not in UNITS or isinstance(value, str):
@@ -132,7 +136,7 @@ def word(name: str, value: str | float | None) -> str:
 
 
 def _against_acceleration(rows: Sequence[ConditionRow], log: bool) -> Plot:
-    """The paper's Figs. 11 to 13: a panel for each line of them."""
+    """Return W against a, with one panel for each of the lines in the paper's Figs. 11 to 13."""
     groups = series(rows, "acceleration_set")
     shown = list(groups.items())[:MOST_PANELS]
     panels = [
@@ -150,12 +154,13 @@ def _against_acceleration(rows: Sequence[ConditionRow], log: bool) -> Plot:
 
 
 def _rest(count: int) -> str:
+    """Return where to find the groups that are not drawn."""
     more = f" {counted(count, 'more group')}: in the table only." if count > 0 else ""
     return f"{more} The numbers are in the table of conditions."
 
 
 def _against(rows: Sequence[ConditionRow], x: str) -> Plot:
-    """A panel for each acceleration, where the largest W stands out."""
+    """Return W against x with a panel for each acceleration, in which the largest W is easy to see."""
     label = AXES[x][0]
     levels = sorted({row.acceleration_set for row in rows if row.acceleration_set is not None})
     shown = levels[:MOST_PANELS]
@@ -182,12 +187,13 @@ def _against(rows: Sequence[ConditionRow], x: str) -> Plot:
 
 
 def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawing:
+    """Return one panel of W against x."""
     name, scale = AXES[x]
     if len(rows) > MOST_CONDITIONS:
         shown = thinned(rows, MOST_CONDITIONS)
         title, rows = f"{title}, {len(shown)} of {len(rows)} shown".lstrip(", "), shown
     at = [scale * getattr(row, x) for row in rows]
-    told = [
+    predicted = [
         (scale * getattr(row, x), 1e3 * row.W_T, 1e3 * (row.U_W_T or 0.0))
         for row in rows
         if row.W_T is not None
@@ -206,7 +212,8 @@ def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawi
         *(W for _, W in runs),
     ]
     axes: Callable[..., Scale] = logarithmic if log else linear
-    if log:  # the logarithmic axis ends at the detection limit: nothing far below it is significant
+    if log:
+        # The axis ends at the detection limit: nothing far below it is significant.
         floor = min((1e3 * max(row.detected, 1e-9) for row in rows), default=1e-6)
         heights = [max(height, floor / 3) for height in heights]
     panel = Panel(
@@ -219,8 +226,8 @@ def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawi
     if len(at) == 1:
         panel.x = linear((at[0],))
     panel.band(at, [panel.y.low] * len(at), [1e3 * row.detected for row in rows], GREY, 0.35)
-    if told:
-        where, W_T, U = (list(column) for column in zip(*told, strict=True))
+    if predicted:
+        where, W_T, U = (list(column) for column in zip(*predicted, strict=True))
         panel.band(where, [w - u for w, u in zip(W_T, U, strict=True)], [w + u for w, u in zip(W_T, U, strict=True)],
                    ORANGE, 0.25)  # fmt: skip
         panel.line(where, W_T, ORANGE)
@@ -230,7 +237,7 @@ def _panel(rows: Sequence[ConditionRow], x: str, title: str, log: bool) -> Drawi
 
 
 def _single(row: ConditionRow) -> Plot:
-    """One condition: its runs, their mean with U, and what is predicted, beside each other."""
+    """Return the runs of a single condition, their mean with U, and the prediction, side by side."""
     runs = [1e3 * run.W_exp for run in row.runs]
     values = [*runs, *(1e3 * (row.W_exp + sign * row.U_W_exp) for sign in (-1, 1))]
     names, W_T, U_W_T = ["runs", "W_exp"], row.W_T, row.U_W_T or 0.0
@@ -254,12 +261,14 @@ def _single(row: ConditionRow) -> Plot:
 
 
 def _beds(rows: Sequence[ConditionRow]) -> Plot:
-    """Conditions that differ in nothing with an axis: beside each other."""
+    """Return conditions that differ in no quantity with an axis, side by side."""
     shown = rows[:MOST_PANELS]
     values = [1e3 * (row.W_exp + sign * row.U_W_exp) for row in shown for sign in (-1, 1)]
     values += [1e3 * row.W_T for row in shown if row.W_T is not None]
-    told = {tuple(row.varied) for row in shown}
-    (only,) = next(iter(told)) if len(told) == 1 and len(next(iter(told))) == 1 else ("condition",)
+    varied = {tuple(row.varied) for row in shown}
+    only = "condition"
+    if len(varied) == 1 and len(paths := next(iter(varied))) == 1:
+        (only,) = paths
     names = [row.varied.get(only, row.id) for row in shown]
     panel = Panel(
         linear((-0.5, len(shown) - 0.5)),

@@ -1,4 +1,4 @@
-"""What needs a drawing library: the style of the study figures, and drawings as PNG."""
+"""The uses of matplotlib: the style of the study figures, and drawings as PNG."""
 
 import io
 from typing import TYPE_CHECKING, Any
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
 
 __all__ = ["MARKERS", "ORANGE", "SERIES", "STYLE", "png", "svg"]
 
-STYLE: Any = {  # names of matplotlib's settings, which its stubs list one by one
+STYLE: Any = {  # Any: matplotlib's stubs list the names of settings one by one
     "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9.0, "axes.titlesize": 9.0,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
     "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "legend.frameon": False, "lines.linewidth": 1.4,
     "path.simplify": False,
 }  # fmt: skip
-PIXELS = 96.0  # of a drawing to the inch
-FINER = 2  # pixels of the file for each of the drawing
+PIXELS = 96.0  # of a drawing per inch
+FINER = 2  # pixels of the file per pixel of the drawing
 WORDS: Any = {"start": "left", "middle": "center", "end": "right"}
 
 
 def svg(figure: "Figure", salt: str) -> str:
-    """The figure as SVG text, without date; `salt` makes its ids differ from those of other figures
-    on a page.
+    """Return the figure as SVG text, without date; `salt` makes its ids differ from those of other
+    figures on a page.
     """
     import matplotlib
 
@@ -36,7 +36,7 @@ def svg(figure: "Figure", salt: str) -> str:
 
 
 def png(drawing: Drawing) -> bytes:
-    """A drawing as PNG on white, two pixels for each of its own."""
+    """Return a drawing as PNG on white, two pixels for each of its own."""
     import matplotlib
     from matplotlib.figure import Figure
 

@@ -1,4 +1,6 @@
-"""Figures of the agreement: offset against W_T, its terms, the nulls as angles, Bland and Altman's."""
+"""Figures of the agreement: offset against W_T, its terms, the null tests as angles, Bland and
+Altman.
+"""
 
 import math
 
@@ -23,11 +25,11 @@ __all__ = ["bland_altman", "nulls_plot", "offset_plot", "terms_plot", "weighted_
 
 
 def offset_plot(report: Report) -> Plot | None:
-    """W_exp / W_T - 1 with U against W_T; None where there is none."""
-    told = _with_offset(report)
-    if not told:
+    """Return W_exp / W_T - 1 with U against W_T; None where there is none."""
+    stated = _with_offset(report)
+    if not stated:
         return None
-    rows = thinned(told)
+    rows = thinned(stated)
     W = [1e3 * W_T for _, W_T, _ in rows]
     offset, U = (
         [100 * value for _, _, value in rows],
@@ -44,10 +46,10 @@ def offset_plot(report: Report) -> Plot | None:
     panel.level(0.0, INK)
     panel.bars(W, offset, U, BLUE)
     alt = (
-        f"Offset of the measured from the predicted energy in {counted(len(told), 'condition')}, per cent with 95 % "
+        f"Offset of the measured from the predicted energy in {counted(len(stated), 'condition')}, per cent with 95 % "
         "uncertainty bars, against W_T on a logarithmic axis; the vertical axis is linear within ±20 % and logarithmic "
         "beyond. The energy-weighted offset is a line with its band. The numbers are in the table of conditions."
-        + thinned_words(len(rows), len(told))
+        + thinned_words(len(rows), len(stated))
     )
     words = [
         ("o", BLUE, "W_exp/W_T − 1, with U (95 %)"),
@@ -57,7 +59,7 @@ def offset_plot(report: Report) -> Plot | None:
 
 
 def _with_offset(report: Report) -> list[tuple[ConditionRow, float, float]]:
-    """The conditions that state an offset, with W_T (J) and the offset."""
+    """Return the conditions that state an offset, with W_T (J) and the offset."""
     return [
         (row, row.W_T, row.offset)
         for row in report.conditions
@@ -66,27 +68,27 @@ def _with_offset(report: Report) -> list[tuple[ConditionRow, float, float]]:
 
 
 def weighted_terms(report: Report) -> OffsetTerms | None:
-    """The terms of the offset as fractions of W_T, weighted with W_T, over the conditions that have
-    them.
+    """Return the terms of the offset as fractions of W_T, weighted with W_T, over the conditions
+    that have them.
     """
-    told = [
+    split = [
         (row.offset_terms, row.W_T or 0.0)
         for row in report.conditions
         if row.offset_terms is not None
     ]
-    total = math.fsum(W_T for _, W_T in told)
-    if not told or not total > 0:
+    total = math.fsum(W_T for _, W_T in split)
+    if not split or not total > 0:
         return None
     return OffsetTerms(
         **{
-            name: math.fsum(getattr(terms, name) * W_T for terms, W_T in told) / total
+            name: math.fsum(getattr(terms, name) * W_T for terms, W_T in split) / total
             for name in TERMS
         }
     )
 
 
 def terms_plot(report: Report) -> Plot | None:
-    """From W_T to W_exp, a column for each term; None without truth."""
+    """Return a chart from W_T to W_exp with a column for each term; None without truth."""
     found = weighted_terms(report)
     if found is None:
         return None
@@ -115,24 +117,24 @@ def terms_plot(report: Report) -> Plot | None:
             panel.word(place, high, f"{end - start:+.{places}f}".replace("-", "−"), up=4)
         panel.word(place, panel.y.low, named[place], up=-14 if place % 2 == 0 else -27)
     panel.level(0.0, INK)
-    told = ", ".join(
+    listed = ", ".join(
         f"{loss_name(name, report)} {100 * value:+.2g} %" for name, value in found.named()
     )
-    alt = f"The offset, term by term, as per cent of W_T weighted with energy: {told}; together {so_far:+.3g} %."
+    alt = f"The offset, term by term, as per cent of W_T weighted with energy: {listed}; together {so_far:+.3g} %."
     return Plot("terms", "From W_T to W_exp", alt, (panel.drawing(),), across=1)
 
 
 def nulls_plot(report: Report) -> Plot | None:
-    """The nulls as angles with U; None without."""
-    told = [
+    """Return the null tests as angles with U; None without any."""
+    angles = [
         (row, row.dphi, row.U_dphi)
         for row in report.nulls
         if row.dphi is not None and row.U_dphi is not None
     ]
-    if not told:
+    if not angles:
         return None
-    rows = [row for row, _, _ in told]
-    values = [1e3 * (dphi + sign * U) for _, dphi, U in told for sign in (-1, 1)]
+    rows = [row for row, _, _ in angles]
+    values = [1e3 * (dphi + sign * U) for _, dphi, U in angles for sign in (-1, 1)]
     names = [f"{row.null}, {row.bed_mass:.3g} kg" if row.bed_mass else row.null for row in rows]
     panel = Panel(
         linear((-0.6, len(rows) - 0.4)),
@@ -143,19 +145,22 @@ def nulls_plot(report: Report) -> Plot | None:
         names=names if len(rows) <= 3 else [row.null for row in rows],
     )
     panel.level(0.0, INK)
-    for place, (row, dphi, U) in enumerate(told):
+    for place, (row, dphi, U) in enumerate(angles):
         colour = ORANGE if row.verdict == "does not hold" else BLUE
         panel.bars([place], [1e3 * dphi], [1e3 * U], colour, "D" if colour == ORANGE else "o")
-    words = ", ".join(f"{row.null} {1e3 * dphi:.2g} ± {1e3 * U:.2g} mrad" for row, dphi, U in told)
+    words = ", ".join(
+        f"{row.null} {1e3 * dphi:.2g} ± {1e3 * U:.2g} mrad" for row, dphi, U in angles
+    )
     alt = f"Angle left between the channels with a bed that cannot slide, with U (95 %): {words}. Zero is right."
     return Plot("nulls", "Nulls as angles", alt, (panel.drawing(),), across=1)
 
 
 def bland_altman(report: Report) -> Plot | None:
-    """Relative difference against the mean of both, with bias and limits of agreement; None with
-    fewer than 3.
+    """Return the relative difference against the mean of W_exp and W_T, with bias and limits of
+    agreement.
 
-    Bland and Altman, Lancet 327, 307 (1986); relative because the differences grow with W.
+    None with fewer than 3 conditions. Bland and Altman, Lancet 327, 307 (1986); relative because
+    the differences grow with W.
     """
     rows = _with_offset(report)
     if len(rows) < 3:

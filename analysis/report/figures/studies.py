@@ -1,7 +1,7 @@
-"""Files of a parametric study: a figure (SVG, PNG) and a CSV for each panel, and a CSV of what the
-paper says.
+"""Files of a parametric study: a figure (SVG, PNG) and a CSV for each panel, and a CSV of the
+paper's statements.
 
-A study is a plain dict as `rig.theory.paper.studies` gives it; equal studies give equal bytes.
+A study is a plain dict as `rig.theory.paper.studies` returns it; equal studies give equal bytes.
 """
 
 import csv
@@ -22,7 +22,7 @@ __all__ = ["panel_csv", "panel_figure", "rows_csv", "write_study"]
 Panel = dict[str, Any]
 
 SIZE = (7.2, 4.2)  # inches
-MARKED = 25  # most points of a curve that are drawn as markers
+MARKED = 25  # largest number of markers on a curve
 DOTS_PER_INCH = 150
 COLUMNS = (
     "equation",
@@ -38,10 +38,8 @@ COLUMNS = (
 
 
 def write_study(study: dict[str, Any], out_dir: Path) -> tuple[Path, ...]:
-    """Write all files of a study to a folder, which is made where there is none; the paths written,
-    in order.
-
-    Raises OSError.
+    """Write all files of a study to a folder, which is made where missing; return the paths in
+    order. OSError.
     """
     out_dir.mkdir(parents=True, exist_ok=True)
     written = [_write(out_dir / f"{study['study']}.csv", rows_csv(study["rows"]).encode())]
@@ -57,7 +55,9 @@ def write_study(study: dict[str, Any], out_dir: Path) -> tuple[Path, ...]:
 
 
 def rows_csv(rows: Iterable[dict[str, Any]]) -> str:
-    """Statements of the paper, a line each: as printed, corrected, a number of each, yes or no."""
+    """Return statements of the paper, a line each: as printed, corrected, a number of each, yes or
+    no.
+    """
     return _csv(
         COLUMNS,
         (
@@ -71,7 +71,7 @@ def rows_csv(rows: Iterable[dict[str, Any]]) -> str:
 
 
 def panel_csv(panel: Panel) -> str:
-    """A column for x, one for each curve; SI units in the header."""
+    """Return a column for x and one for each curve; SI units in the header."""
     x, y = panel["x"], panel["y"]
     head = [
         _axis(x),
@@ -82,8 +82,8 @@ def panel_csv(panel: Panel) -> str:
 
 
 def panel_figure(panel: Panel) -> "Figure":
-    """The curves of a panel, with what the paper quotes marked: filled where it holds, crossed
-    where it does not.
+    """Return the curves of a panel; values that the paper quotes are marked, filled where they
+    hold, crossed where they do not.
     """
     import matplotlib
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ CURVES = (
 
 
 def sweep_plot(report: Report) -> Plot | None:
-    """Fundamentals against frequency, a line for each sweep; None without sweeps."""
+    """Return the fundamentals against frequency, a line for each sweep; None without sweeps."""
     found = report.sweeps
     if not found:
         return None

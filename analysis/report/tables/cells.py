@@ -1,4 +1,4 @@
-"""Tables and their cells: what is shown, and the number to sort by."""
+"""Tables and their cells: the displayed text, and the number to sort by."""
 
 import math
 from dataclasses import dataclass
@@ -8,8 +8,11 @@ __all__ = ["UNBOUNDED", "UNKNOWN", "Cell", "Table", "fixed", "number", "signific
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A table cell: what is shown, and the number to sort by where it is one; numeric: stands with
-    the numbers.
+    """A table cell.
+
+    text : as displayed
+    value : number to sort by; None for text
+    numeric : set among the numbers, without a value
     """
 
     text: str
@@ -19,7 +22,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A titled table with a note; no rows: nothing to show."""
+    """A titled table with a note; without rows it is not shown."""
 
     title: str
     note: str
@@ -32,7 +35,7 @@ UNBOUNDED = Cell("∞", math.inf)
 
 
 def significant(value: float, digits: int) -> str:
-    """A number to so many significant digits, with an exponent only where it would be a row of
+    """Return a number to `digits` significant digits, with an exponent only in place of a row of
     zeros.
     """
     if value == 0 or not 1e-4 <= abs(value) < 1e6:
@@ -43,29 +46,29 @@ def significant(value: float, digits: int) -> str:
 
 
 def number(value: float | None, digits: int = 3, scale: float = 1.0) -> Cell:
-    """A number to so many significant digits; a dash where it is not known."""
+    """Return a cell with a number to `digits` significant digits; a dash for None."""
     return UNKNOWN if value is None else Cell(significant(value * scale, digits), value * scale)
 
 
 def fixed(value: float | None, places: int) -> Cell:
-    """A number to so many decimal places; a dash where it is not known."""
+    """Return a cell with a number to `places` decimal places; a dash for None."""
     if value is None:
         return UNKNOWN
     return Cell(_rounded(value, places), value)
 
 
 def with_U(value: float | None, U: float | None, scale: float = 1.0) -> Cell:
-    """value ± U, U to two significant digits and the value to the same place."""
+    """Return a cell with value ± U, U to two significant digits and the value to the same place."""
     if value is None or U is None or U == 0:
         return number(value, 4, scale)
     value, U = value * scale, U * scale
     places = max(0, 1 - math.floor(math.log10(U)))
-    if places > 6:  # far below anything worth a row of zeros
+    if places > 6:  # an exponent is shorter than the row of zeros
         return Cell(f"{value:.3g} ± {U:.2g}", value)
     return Cell(f"{_rounded(value, places)} ± {U:.{places}f}", value)
 
 
 def _rounded(value: float, places: int) -> str:
-    """To so many places, and no minus before a zero."""
+    """Return a number to `places` decimal places, without a minus before zero."""
     text = f"{value:.{places}f}"
     return text if float(text) else text.removeprefix("-")

@@ -1,4 +1,6 @@
-"""How finely and how long each condition was simulated, where a tolerance decided it."""
+"""The table and the sentences about resolution and length of the simulations, where a tolerance
+chose them.
+"""
 
 from analysis.report.tables.cells import UNKNOWN, Cell, Table, number
 from analysis.results.report import Report
@@ -8,8 +10,8 @@ __all__ = ["fidelity", "fidelity_sentences"]
 
 
 def fidelity_sentences(report: Report) -> tuple[str, ...]:
-    """What was asked, what it cost, and where it is not reached; nothing where the protocol wrote
-    everything itself.
+    """Return the tolerance, its cost, and the conditions that miss it; empty where the protocol
+    wrote everything itself.
     """
     found = report.fidelity
     if found is None:
@@ -26,7 +28,7 @@ def fidelity_sentences(report: Report) -> tuple[str, ...]:
 
 
 def _work(rows: CycleCounts) -> str:
-    """What was saved of the motion of single rows, and what finding the choice took."""
+    """Return the cost in motion of single rows of grains, and the cost of finding the choice."""
     if not rows.auto:
         return " No rows of grains had to be followed."
     return (
@@ -37,7 +39,7 @@ def _work(rows: CycleCounts) -> str:
 
 
 def fidelity(report: Report) -> Table:
-    """The choice in each condition, its predicted error and what was skipped."""
+    """Return the choice in each condition, its predicted error and what was skipped."""
     head = (
         "id",
         "rows",
@@ -72,15 +74,16 @@ def fidelity(report: Report) -> Table:
     )
     note = (
         f"Found for a tolerance of {100 * found.tolerance:g} %: rows per layer, cycles to settle and to record. "
-        f"Rows may take {100 * found.rows_share:g} % of it; settling, record and noise share what they leave. The "
+        f"Rows may use up {100 * found.rows_share:g} % of it; settling, record and noise share the rest. The "
         "error is predicted for the mean over the runs, against rows side by side (L2/d), settled and recorded "
         "long. As written and resolved: rows, settle + record. The force range is used by the rows that were run; "
-        "peaks of them that exceed the exciter (flags over_peak, over_buckling) are told of all rows side by side."
+        "peaks of them that exceed the exciter (flags over_peak, over_buckling) are those of all rows side by side."
     )
     return Table("Fidelity", note, head, rows)
 
 
 def _lengths(row: ChosenFidelity, lengths: Lengths) -> str:
+    """Return rows, settling and record in words."""
     rows, settle, record = lengths
     return f"{rows if row.rows else '–'}, {settle} + {record}"
 
@@ -90,5 +93,5 @@ def _whole(value: float | None) -> Cell:
 
 
 def _times(ratio: float) -> str:
-    """A ratio in words: 0.31 is 31 % of, 2.04 is 2 times."""
+    """Return a ratio in words: 0.31 is "31 % of", 2.04 is "2 times"."""
     return f"{100 * ratio:.2g} % of" if ratio < 0.995 else f"{ratio:.2g} times"

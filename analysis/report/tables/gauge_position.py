@@ -1,4 +1,4 @@
-"""Where gauge and accelerometer sit, and what they would read on the box."""
+"""The positions of gauge and accelerometer, and their readings corrected to the box."""
 
 from analysis.report.tables.cells import Cell, Table, fixed, number
 from analysis.results.report import Report
@@ -7,9 +7,7 @@ __all__ = ["at_box"]
 
 
 def at_box(report: Report) -> Table:
-    """W and apparent mass as read and as compensated; no rows where nothing is known of the
-    stinger.
-    """
+    """Return W and apparent mass as read and as corrected; no rows where the stinger is not known."""
     rows = tuple(
         (
             Cell(row.id),
@@ -48,4 +46,5 @@ def at_box(report: Report) -> Table:
 
 
 def _percent(read: float | None, known: float | None) -> float | None:
+    """Return the deviation of a reading in per cent."""
     return 100.0 * (read / known - 1.0) if known and read is not None else None

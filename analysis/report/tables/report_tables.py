@@ -1,4 +1,4 @@
-"""The report's tables, the same in every form of it."""
+"""The report's tables, the same in all its forms."""
 
 from collections.abc import Sequence
 
@@ -34,7 +34,7 @@ FEW = 6  # conditions that a note names
 
 
 def conditions(report: Report) -> Table:
-    """The table of conditions."""
+    """Return the table of conditions."""
     known = (
         "id",
         "grains",
@@ -101,7 +101,7 @@ def conditions(report: Report) -> Table:
 
 
 def comparisons(report: Report) -> Table:
-    """The three comparisons: what was compared with what, and how often it agrees."""
+    """Return the three comparisons: what was compared with what, and how often it agrees."""
     rows = tuple(
         (
             Cell(row.comparison), Cell(f"W_exp against {row.against}"), Cell(str(row.n), row.n),
@@ -116,14 +116,14 @@ def comparisons(report: Report) -> Table:
     return Table(
         "Comparisons",
         note,
-        ("comparison", "what", "conditions", "within U", "what it cannot tell"),
+        ("comparison", "what", "conditions", "within U", "what it cannot show"),
         rows,
     )
 
 
 def recorded(report: Report) -> Table:
-    """W_exp beside the predictions on a sine and on the recorded waveform; no rows where the latter
-    was not made.
+    """Return W_exp beside the predictions on a sine and on the recorded waveform; no rows where the
+    latter was not made.
     """
     made = any(row.W_T_recorded for row in report.conditions)
     rows = tuple(
@@ -161,7 +161,7 @@ def recorded(report: Report) -> Table:
 
 
 def coil(report: Report) -> Table:
-    """Energies from the coil's current beside those from the gauge; no rows where it was not
+    """Return energies from the coil's current beside those from the gauge; no rows where it was not
     recorded.
     """
     rows = tuple(
@@ -173,7 +173,7 @@ def coil(report: Report) -> Table:
         if row.W_coil is not None
     )  # fmt: skip
     note = (
-        "W_coil is the work at the gauge plane as coil current and box acceleration tell it, without the gauge: BL i "
+        "W_coil is the work at the gauge plane as coil current and box acceleration determine it, without the gauge: BL i "
         "less what armature, flexure and body take, with the exciter's values as known. E_n compares the two; what the "
         "accelerometer may be wrong by is in both and does not count."
     )
@@ -182,7 +182,7 @@ def coil(report: Report) -> Table:
 
 
 def claims(report: Report) -> Table:
-    """The claims with what was found, their cases below them."""
+    """Return the claims with their findings, and their cases below them."""
     rows = []
     for number_, row in enumerate(report.claims, 1):
         words = Cell(f"{row.claim} ({row.test})")
@@ -212,7 +212,7 @@ def claims(report: Report) -> Table:
 
 
 def nulls(report: Report) -> Table:
-    """The null tests."""
+    """Return the null tests."""
     rows = tuple(
         (
             Cell(row.null), number(row.bed_mass), _plain(row.frequency),
@@ -230,7 +230,7 @@ def nulls(report: Report) -> Table:
 
 
 def references(report: Report) -> Table:
-    """The references."""
+    """Return the references."""
     rows = tuple(
         (
             Cell(row.reference), Cell(row.of), with_U(row.value, row.U), number(row.expected, 5),
@@ -256,12 +256,12 @@ BUDGET = (
     "sensitivity, mJ per unit",
     "degrees of freedom",
     "part, mJ",
-    "share of u², %",
+    "fraction of u², %",
 )
 
 
 def budget(report: Report) -> Table:
-    """The uncertainty budget of W_exp in the condition with the largest energy."""
+    """Return the uncertainty budget of W_exp in the condition with the largest energy."""
     title = "Uncertainty budget"
     if not report.conditions:
         return Table(title, "", (), ())
@@ -278,7 +278,7 @@ def budget(report: Report) -> Table:
 
 
 def budget_of_W_T(report: Report) -> Table:
-    """The same of W_T, in the same condition."""
+    """Return the budget of W_T in the same condition."""
     title = "Uncertainty budget of W_T"
     if not report.conditions or not _largest(report).uncertainty_W_T:
         return Table(title, "", (), ())
@@ -293,12 +293,12 @@ def budget_of_W_T(report: Report) -> Table:
 
 
 def _largest(report: Report) -> ConditionRow:
-    """The condition with the largest energy."""
+    """Return the condition with the largest energy."""
     return max(report.conditions, key=lambda row: row.W_exp)
 
 
 def _lines(lines: Sequence[SourceRow]) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of a budget."""
+    """Return the rows of a budget."""
     return tuple(
         (
             Cell(line.source), _input(line.u, line.unit),
@@ -311,13 +311,13 @@ def _lines(lines: Sequence[SourceRow]) -> tuple[tuple[Cell, ...], ...]:
 
 
 def _input(u: float, unit: str) -> Cell:
-    """An input's standard uncertainty: energies in mJ, relative ones without unit."""
+    """Return an input's standard uncertainty: energies in mJ, relative ones without unit."""
     shown = {"J": f"{significant(1e3 * u, 2)} mJ", "1": f"{u:.2g}"}.get(unit, f"{u:.2g} {unit}")
     return Cell(shown, u)
 
 
 def flags(report: Report) -> Table:
-    """Flags and runs that were left out."""
+    """Return flags and runs that were left out."""
     rows = [
         (Cell(entry.flag), number(entry.worst), Cell(str(len(entry.runs)), len(entry.runs)),
          Cell(_some(entry.runs)))
@@ -335,7 +335,7 @@ def flags(report: Report) -> Table:
 
 
 def instruments(report: Report) -> Table:
-    """The channel table, certified values."""
+    """Return the channel table, certified values."""
     rows = tuple(
         (
             Cell(row.channel),
@@ -363,7 +363,7 @@ def instruments(report: Report) -> Table:
 
 
 def values(report: Report) -> Table:
-    """Assumed and other values of the rig file, with their status."""
+    """Return assumed and other values of the rig file, with their status."""
     rows = tuple(
         (
             Cell(row.path), _plain(row.value), Cell(row.unit or ""),
@@ -372,9 +372,7 @@ def values(report: Report) -> Table:
         for row in report.assumed
     )  # fmt: skip
     note = "Every value that the rig file holds, with where it comes from; “assumed” ones are ours and can be changed."
-    return Table(
-        "Values behind the rig", note, ("value of", "value", "unit", "status", "source"), rows
-    )
+    return Table("Values of the rig", note, ("value of", "value", "unit", "status", "source"), rows)
 
 
 def _plain(value: object) -> Cell:

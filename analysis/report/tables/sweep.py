@@ -1,4 +1,4 @@
-"""Sweeps in a table: where force and acceleration are largest and least."""
+"""The table of sweeps: frequencies of the largest and least force and acceleration."""
 
 from analysis.energy.sweep import summary
 from analysis.report.tables.cells import Cell, Table, number
@@ -8,7 +8,9 @@ __all__ = ["sweeps"]
 
 
 def sweeps(report: Report) -> Table:
-    """Largest and least acceleration of each sweep, and least force, with their frequencies."""
+    """Return the largest and least acceleration of each sweep and its least force, with their
+    frequencies.
+    """
     rows = tuple(
         (
             Cell(one.condition), Cell(one.run), Cell(one.bed), number(one.rate),
@@ -20,8 +22,8 @@ def sweeps(report: Report) -> Table:
     return Table(
         "Largest and least of each sweep",
         "Fundamentals (peak) over each cycle of the drive. The sweep rate moves the curve off the steady one by "
-        "(b/2)|H''|, b the rate of the angular frequency: its largest value over the largest response, told from the "
-        "curve itself. "
+        "(b/2)|H''|, b the rate of the angular frequency: its largest value over the largest response, estimated from "
+        "the curve itself. "
         "No energy is stated: a swept cycle does not close.",
         (
             "condition",

@@ -154,7 +154,7 @@ def test_many_checks_alike_are_one_sentence():
     [
         ({"1a": [1.0]}, "only one value was measured, a"),
         ({"1a": [1.0], "1b": [2.0]}, "no condition was repeated"),
-        ({"1a": [1e-9, 2e-9], "1b": [1e-9, -1e-9]}, "no repeated condition stands out"),
+        ({"1a": [1e-9, 2e-9], "1b": [1e-9, -1e-9]}, "no repeated condition exceeds"),
     ],
 )
 @pytest.mark.parametrize("kind", ["optimum", "rise"])

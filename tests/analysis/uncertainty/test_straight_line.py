@@ -105,7 +105,7 @@ def test_derivatives_are_those_of_the_fit():
 
 def test_too_few_points_and_no_covariance():
     one = np.ones(1)
-    with pytest.raises(ValueError, match="1 points do not tell"):
+    with pytest.raises(ValueError, match="1 points do not determine"):
         fitted(one, one, independent(one, one))
     with pytest.raises(ValueError, match="not positive definite"):
         fitted(*PEARSON, independent(*np.zeros((2, 10))))

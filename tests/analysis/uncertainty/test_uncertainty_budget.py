@@ -124,6 +124,16 @@ def test_a_group_alone_has_student_s_k():
     assert Estimate(3.0, 1.5, 4.0).p() == pytest.approx(2 * stats.t.sf(2, 4))
 
 
+@pytest.mark.parametrize("nu", range(1, 12))
+@pytest.mark.parametrize("certified", [0.5, 1.0, 2.0, 3.0])
+def test_p_of_zero_is_one_and_never_more(nu, certified):
+    """At 0 all the mixture lies outside: p is the sum of its weights, 1 but for round-off of some
+    hundred terms, which may not lead beyond 1."""
+    p = Estimate.of(0.0, [(1.0, nu), (certified, 50.0)]).p()
+    assert p <= 1.0
+    assert p == pytest.approx(1.0, abs=1e-13)
+
+
 def test_an_estimate_without_uncertainty_has_none_expanded():
     assert Estimate(1.0, 0.0, math.inf).U == 0.0
     assert pytest.approx(6.36, abs=0.01) == Estimate(1.0, 2.0, 3.0).U
