@@ -1,4 +1,4 @@
-"""The reading of records: dissipated energy from force and acceleration, its uncertainty, its
+"""Analysis of records: dissipated energy from force and acceleration, its uncertainty, its
 agreement with a model.
 
 Works on any session record, simulated or imported, and imports no simulator. Names load their

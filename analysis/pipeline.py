@@ -43,21 +43,21 @@ __all__ = ["energies_of", "read_session", "run_energy"]
 
 FORCE, ACCELERATION, CURRENT = "force", "acceleration", "current"
 BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE_SHORT)
-"""Samples are missing or mean nothing: no energy can be stated."""
+"""Flags of samples that are missing or invalid: no energy can be stated."""
 CLIPPED = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO | Flag.SENSOR_CLIP)
 SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
-STOPPED = "stopped_by_"  # scalars of this prefix are 1 for what kept the level from being reached
+STOPPED = "stopped_by_"  # scalars of this prefix are 1 for the limit that stopped the level
 TRIGGER = (
     "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
 )
 CLOSURES = ("closure", "closure_exciter")  # ledger columns whose largest magnitude counts
-PIECE = 4096  # cycles of a ledger that are looked at together
-LIMITS = "use_"  # scalars of this prefix are shares of a limit
+PIECE = 4096  # cycles of a ledger that are read at a time, so that memory does not grow with it
+LIMITS = "use_"  # scalars of this prefix are utilisations of a limit, 1 at the limit
 
 
 SignalOf = Callable[[str, str, int, int], Signal]
-"""From a run, a channel, the first sample and the one after the last to its samples."""
+"""A function from run, channel, first sample and one past the last to the samples."""
 
 
 def run_energy(
@@ -66,14 +66,15 @@ def run_energy(
     tolerate_gaps: bool = False,
     signal: SignalOf | None = None,
 ) -> RunEnergy:
-    """Energies of one complete run of a record, poles and delays corrected by the certified channel
-    table.
+    """Return the energies of one complete run of a record.
 
-    run: a run of the record, or its name. May be called from any thread, as soon as the run is
-    complete, while others are still written. AnalysisError where the run is incomplete, has missing
-    samples in the window (unless gaps are tolerated: then the whole cycles beside them are read), a
-    dead or stuck channel, or no whole cycle. signal: what gives the samples, as `record.signal`
-    does where there is none.
+    Poles and delays are corrected with the certified channel table. run: a run of the record, or
+    its name. signal: supplies the samples in place of `record.signal`. May be called from any
+    thread, as soon as the run is complete, while others are still written.
+
+    AnalysisError where the run is incomplete, has missing samples in the window (unless gaps are
+    tolerated: then the whole cycles beside them are read), a dead or stuck channel, or no whole
+    cycle.
     """
     return Reader(record, tolerate_gaps, signal).energy(
         record.run(run) if isinstance(run, str) else run
@@ -83,7 +84,9 @@ def run_energy(
 def energies_of(
     record: RecordedSession, names: Iterable[str], tolerate_gaps: bool = False
 ) -> dict[str, RunEnergy]:
-    """Energies of runs by name, as `run_energy` finds them; without those that cannot be used."""
+    """Return the energies of runs by name, as `run_energy` does, leaving out the runs that cannot
+    be used.
+    """
     reader, found = Reader(record, tolerate_gaps), {}
     for name in names:
         with suppress(AnalysisError):
@@ -92,9 +95,7 @@ def energies_of(
 
 
 class Reader:
-    """Reads the runs of one record: what the record and its conditions say is looked up and checked
-    once.
-    """
+    """A reader of the runs of one record, which looks up and checks the facts of the record once."""
 
     def __init__(
         self, record: RecordedSession, tolerate_gaps: bool = False, signal: SignalOf | None = None
@@ -105,7 +106,7 @@ class Reader:
         self._settings: dict[str, Setting] = {}
 
     def setting(self, condition: str) -> Setting:
-        """The setting of a condition."""
+        """Return the setting of a condition."""
         if condition not in self._settings:
             self._settings[condition] = Setting.of(self._record.conditions[condition])
         return self._settings[condition]
@@ -122,11 +123,11 @@ class Reader:
 
     @cached_property
     def truth(self) -> Truth | None:
-        """What only a simulated session knows."""
+        """The truth of a simulated session; None for any other."""
         return self._record.truth
 
     def energy(self, run: RunFacts) -> RunEnergy:
-        """Energies of a run; see run_energy."""
+        """Return the energies of a run; see run_energy."""
         record = self._record
         if not run.complete:
             raise AnalysisError(f"{run.name} is not complete")
@@ -174,6 +175,7 @@ class Reader:
         energy = total.energy()
         samples = round(energy.cycles * window.grid.period)
         wanted = int(setting.record_cycles)
+        # Gaps cost cycles: fewer than the protocol asked for is a flag.
         short = (f"{energy.cycles}_of_{wanted}_cycles",) if energy.cycles < wanted else ()
         recorded = scalars.get(RECORDED, math.nan)
         return RunEnergy(
@@ -203,7 +205,8 @@ class Reader:
 def _window(
     run: RunFacts, setting: Setting, force: ChannelFacts, scalars: Mapping[str, float]
 ) -> Window:
-    """The whole cycles of a run that count. AnalysisError where there are none."""
+    """Return the whole cycles of a run after settling. AnalysisError where there are none."""
+    # Samples from the record's first one to the next start of a cycle of the drive.
     phase = -scalars.get(TRIGGER, 0.0) % (run.rate / setting.frequency)
     try:
         return whole_cycles(
@@ -219,10 +222,10 @@ def _window(
 
 
 def window_range(record: RecordedSession, run: RunFacts) -> tuple[float, float]:
-    """Return the first sample of the whole cycles that count, and one past the last.
+    """Return the first sample of the whole cycles that are analysed, and one past the last.
 
     Fractional where a cycle has no whole number of samples. Where there are no such cycles (a
-    sweep, a loop-back, a record cut short), all that follows the settling.
+    sweep, a loop-back, a record cut short), everything after the settling.
     """
     setting = Setting.of(record.conditions[run.condition])
     settled = min(setting.settle_cycles * run.rate / setting.frequency, run.samples / 2)
@@ -238,8 +241,10 @@ def window_range(record: RecordedSession, run: RunFacts) -> tuple[float, float]:
 def _stretches(
     record: RecordedSession, run: RunFacts, window: Window, tolerate_gaps: bool
 ) -> tuple[Window, ...]:
-    """The window, or where gaps are tolerated its whole cycles on either side of every broken
-    block: nothing is ever joined over one. AnalysisError where none is left."""
+    """Return the window, or where gaps are tolerated its whole cycles between broken blocks.
+
+    No stretch crosses a broken block. AnalysisError where none remains.
+    """
     if not tolerate_gaps or not run.flags & BROKEN:
         return (window,)
     blocks = record.blocks(run.name)
@@ -252,7 +257,7 @@ def _stretches(
 
 
 def _clip_ratio(record: RecordedSession, run: RunFacts) -> float:
-    """Largest share of a channel's samples that lie at a rail."""
+    """Return the largest fraction of a channel's samples that lie at a rail."""
     blocks = record.blocks(run.name)
     return float(blocks["clipped"].sum(axis=0).max()) / max(int(blocks["count"].sum()), 1)
 
@@ -265,11 +270,13 @@ def _coil(
     samples: int,
     exciter: SessionExciter | None,
 ) -> Coil | None:
-    """What the coil's current tells; None where it is not recorded or the exciter is not known."""
+    """Return the energy from the coil's current; None where it is not recorded or the exciter is
+    not known.
+    """
     channel = record.channels.get(CURRENT)
     if exciter is None or channel is None:
         return None
-    force = _channel(record, FORCE)  # on its time the phasors of the energies stand
+    force = _channel(record, FORCE)  # the phasors of the energies refer to its time
     lag = (channel.filter_delay - force.filter_delay) / run.rate + force.skew - channel.skew
     total = np.zeros_like(energy.acceleration)
     for part in window.segments():
@@ -284,7 +291,7 @@ def _coil(
 
 
 def _at_box(setting: Setting, energy: Energy, exciter: SessionExciter | None) -> AtBox | None:
-    """The run as it would be read on the box; None where the places or the stinger are not known."""
+    """Return the run corrected to the box; None where the positions or the stinger are not known."""
     if setting.gauge is None or setting.accelerometer is None or exciter is None:
         return None
     return at_box(energy, setting.gauge, setting.accelerometer, setting.gauge_mass, exciter)
@@ -295,9 +302,9 @@ def read_session(
     energies: Mapping[str, RunEnergy] | None = None,
     tolerate_gaps: bool = False,
 ) -> Report:
-    """The report of a session from its record alone.
+    """Return the report of a session from its record alone.
 
-    energies: results of run_energy by run name, where they are there already. tolerate_gaps: see
+    energies: results of run_energy by run name, where they exist already. tolerate_gaps: see
     run_energy. Runs that cannot be used are listed under `left_out` with the reason.
     """
     known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
@@ -339,8 +346,9 @@ def read_session(
 
 
 def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Flags of a run whose samples are read as a whole. AnalysisError where some are missing or
-    mean nothing.
+    """Return the flags of a run whose samples are read as a whole.
+
+    AnalysisError where samples are missing or invalid.
     """
     if run.flags & BROKEN:
         raise AnalysisError(f"{run.name} has {', '.join(flag_names(run.flags & BROKEN))}")
@@ -348,6 +356,9 @@ def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
+    """Return the result of a loop-back run. AnalysisError where it is incomplete or lacks a
+    channel.
+    """
     if not run.complete:
         raise AnalysisError(f"{run.name} is not complete")
     setting, force = Setting.of(record.conditions[run.condition]), _channel(record, FORCE)
@@ -358,12 +369,15 @@ def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
 
 
 def _resolved(protocol: SessionProtocol, rig: SessionRig) -> Resolved | None:
-    """The documents that are there written out, as text."""
+    """Return protocol and rig file as written out in the session, with the names of today; None
+    without either.
+    """
     found = Resolved(text_today(protocol.resolved) or None, text_today(rig.resolved) or None)
     return found if found.files() else None
 
 
 def _channel(record: RecordedSession, name: str) -> ChannelFacts:
+    """Return a channel of the record. AnalysisError where it is missing."""
     if name not in record.channels:
         raise AnalysisError(
             f"the record has no channel {name!r}; it has {', '.join(record.channels)}"
@@ -372,13 +386,13 @@ def _channel(record: RecordedSession, name: str) -> ChannelFacts:
 
 
 def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Limits of the exciter that the run would have needed more of, as flags: "over_force"."""
-    return tuple(f"over_{name}" for name, share in _use(scalars).items() if share > 1)
+    """Return the limits of the exciter that the run exceeds, as flags: "over_force"."""
+    return tuple(f"over_{name}" for name, used in _use(scalars).items() if used > 1)
 
 
 def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """What kept the level from being reached, as a flag, and whether the amplifier clipped while it
-    was held.
+    """Return what kept the level from being reached, as flags, and "clipped" where the amplifier
+    clipped.
     """
     stopped = [f"{NOT_REACHED}_{name.removeprefix(STOPPED)}" for name, value in scalars.items()
                if name.startswith(STOPPED) and value > 0]  # fmt: skip
@@ -386,11 +400,9 @@ def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _use(scalars: Mapping[str, float]) -> dict[str, float]:
-    """Shares of the exciter's limits, by the limit's name."""
+    """Return the utilisation of the exciter's limits (1: at the limit), by the limit's name."""
     return {
-        name.removeprefix(LIMITS): share
-        for name, share in scalars.items()
-        if name.startswith(LIMITS)
+        name.removeprefix(LIMITS): used for name, used in scalars.items() if name.startswith(LIMITS)
     }
 
 
@@ -401,8 +413,10 @@ def _ledger(
     window: Window,
     stretches: Sequence[Window],
 ) -> dict[str, float] | None:
-    """True energies over the drive cycles that are read; None for a record without truth, or with
-    gaps in it.
+    """Return the true energies, means over the analysed drive cycles, and the largest closure
+    errors.
+
+    None for a record without truth, or with gaps in its ledger.
     """
     if truth is None:
         return None

@@ -1,4 +1,4 @@
-"""The runs of a session read by several processes: for sessions of thousands of runs."""
+"""Parallel reading of the runs of a session, for sessions of thousands of runs."""
 
 import multiprocessing
 import signal
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 __all__ = ["energies_by_processes"]
 
 MANY = 400
-"""Runs from which on processes are worth their start."""
+"""Number of runs from which on processes pay for their start."""
 
 BATCH = 32
-"""Runs whose energies are sent in one message."""
+"""Number of runs whose energies are sent in one message."""
 
 
 def energies_by_processes(
@@ -29,18 +29,17 @@ def energies_by_processes(
 ) -> dict[str, RunEnergy]:
     """Return the energies of a session's runs by name, read by `count` processes.
 
-    They are for `read_session`. Runs that cannot be used have none, and neither have those whose
-    process has ended before it came to them, as by a crash of the HDF5 library: `read_session`
-    reads both, and says what is wrong. Empty for a session of few runs, for one that is being
-    written, and without fork (Windows, macOS).
+    They are meant for `read_session`. Missing are runs that cannot be used, and runs whose process
+    ended early, as by a crash of the HDF5 library: `read_session` reads both again, and reports the
+    fault. Empty for a session of few runs, for one that is being written, and without fork
+    (Windows, macOS).
     """
     names = [run.name for run in record.runs if run.complete]
     count = min(count, len(names) // (MANY // 2))
     if count < 2 or record.live or sys.platform != "linux":
         return {}
-    found = energies_of(
-        record, names[:1], tolerate_gaps
-    )  # loads the compiled loops once, for all processes
+    # The first run loads the compiled loops once, for all processes that are forked.
+    found = energies_of(record, names[:1], tolerate_gaps)
     context = multiprocessing.get_context("fork")
     record.close()  # each process opens it for itself
     with killed_at_the_end() as (processes, pipes):
@@ -49,7 +48,7 @@ def energies_by_processes(
             work = (record, names[1 + first :: count], tolerate_gaps, there)
             processes.append(context.Process(target=_work, args=work, daemon=True))
             processes[-1].start()
-            there.close()  # held by the process alone: its end closes the pipe
+            there.close()  # only the process still holds it, so that its end closes the pipe
             pipes.append(here)
         record.reopen()
         for energies in _received(pipes):
@@ -58,12 +57,13 @@ def energies_by_processes(
 
 
 def _work(record: "Record", names: Sequence[str], tolerate_gaps: bool, pipe: Connection) -> None:
-    """Be one process. It says nothing of what goes wrong: the caller meets it again."""
+    """Read runs and send their energies, as one process. Errors end it silently: the caller meets
+    them again.
+    """
     from daq.session.plan import SessionError
 
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # an interrupt from the keyboard is the caller's to handle
+    # An interrupt from the keyboard is for the caller to handle.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(SessionError, OSError, MemoryError):
         record.reopen()
         for first in range(0, len(names), BATCH):
@@ -71,7 +71,7 @@ def _work(record: "Record", names: Sequence[str], tolerate_gaps: bool, pipe: Con
 
 
 def _received(pipes: Sequence[Connection]) -> Iterator[dict[str, RunEnergy]]:
-    """What comes from the processes, until all have ended; none waits for another."""
+    """Yield the energies that the processes send, in the order of arrival, until all have ended."""
     left = list(pipes)
     while left:
         ready = set(wait(left))

@@ -1,4 +1,4 @@
-"""Words for reports: numbers in sentences, and text from strangers in markup."""
+"""Text in reports: counted nouns, and text from strangers made safe for markup."""
 
 import html
 
@@ -8,12 +8,12 @@ __all__ = ["counted", "escape"]
 
 
 def counted(count: int, noun: str) -> str:
-    """ "1 run", "8 runs"."""
+    """Return a number with its noun: "1 run", "8 runs"."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def escape(text: str, keep: str = "\n") -> str:
-    """Return text as HTML or XML text: nothing in it is taken for markup, and no character but
-    `keep` is hidden.
+    """Return text as HTML or XML text: nothing in it is markup, and no character but `keep` is
+    hidden.
     """
     return html.escape(visible(text, keep))

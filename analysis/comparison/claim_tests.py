@@ -235,9 +235,7 @@ def _without_scatter(levels: Sequence[Level]) -> Finding:
             "", OPEN, f"only one value was measured, {levels[0].label}: nothing to compare it with"
         )
     if any(len(result.runs) > 1 for level in levels for result in level.results):
-        return Finding(
-            "", OPEN, "no repeated condition stands out of what the instruments can tell"
-        )
+        return Finding("", OPEN, "no repeated condition exceeds the detection limit")
     return Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
 
 

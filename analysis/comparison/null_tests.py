@@ -142,7 +142,7 @@ def _test(
         measured = f"only {found} level{'s' * (found > 1)} with this bed and with the empty box"
         why = (
             f"{measured if found else 'the empty box was not measured beside it'}: "
-            f"at least {LEVELS} levels of both are needed to tell an angle from friction"
+            f"at least {LEVELS} levels of both are needed to distinguish an angle from friction"
         )
         return NullTest(kind, mass, frequency, len(levels), None, "undecided", why)
     angle = _angle([run for runs in levels for run in runs] + empty)

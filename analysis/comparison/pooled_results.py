@@ -317,7 +317,7 @@ def _telling(results: Sequence[Result]) -> str:
     W_T = np.array([result.W_T.value for result in results if result.W_T is not None])
     total = W_T @ np.array([result.model for result in results]) / W_T.sum()
     low, high = (float(q) - 1 for q in np.quantile(total, INSIDE))
-    text = f"what nobody measured leaves W_T open from {100 * low:+.0f} % to {100 * high:+.0f} % (95 %)"
+    text = f"unmeasured parameters change W_T by {100 * low:+.0f} % to {100 * high:+.0f} % (95 %)"
     if (high - low) / 2 > SEVEN:
         return f"{text}: 7 % cannot test this model without measured friction"
     return text
