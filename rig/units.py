@@ -119,11 +119,11 @@ class Quantity:
         return ", ".join(parts)
 
     def fitted(self, whole: bool, null: bool, words: tuple[str, ...]) -> Quantity:
-        """The quantity as the type of a field wants it: `float | Literal["none"] | None`."""
+        """Return the quantity for the type of a field, such as `float | Literal["none"] | None`."""
         return replace(self, whole=whole, null=null, words=words)
 
     def read(self, node: Any, path: str, notes: Notes) -> float | int | str | None:
-        """The SI number of a node, a word, or None."""
+        """Return the SI number of a node, a word, or None."""
         value = written = bare(node)
         if value in self.words or (value is None and self.null):
             return str(value) if value is not None else None
@@ -150,15 +150,16 @@ class Quantity:
         return int(value) if self.whole else float(value) + 0.0
 
     def plain(self, value: Any) -> Any:
-        """A number as `read` takes it back, with its unit."""
+        """Return a number with its unit, such that `read` gives it back."""
         if value is None or isinstance(value, str):
             return value
         value += 0 if isinstance(value, int) else 0.0  # a minus zero is a zero
         return value if self.dimension == "number" else format_quantity(value, self.dimension)
 
     def schema(self, _kinds: dict[str, Any]) -> dict[str, Any]:
-        """A plain number in its range, or text with a unit; of the text's number the sign is
-        checked.
+        """Return the schema: a plain number in its range, or text with a unit.
+
+        Of the number in a text only the sign is checked.
         """
         number: dict[str, Any] = {"type": "integer" if self.whole else "number"}
         if math.isfinite(self.least):
@@ -249,5 +250,5 @@ def _short(value: float, dimension: str) -> str:
 
 
 def _escaped(unit: str) -> str:
-    """A unit as a regular expression that JavaScript and Python read alike."""
+    """Return a unit as a regular expression that JavaScript and Python read alike."""
     return "".join(r"\s+" if c == " " else f"\\{c}" if c in "^*/()" else c for c in unit)

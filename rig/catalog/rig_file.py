@@ -108,8 +108,8 @@ def dump_rig(rig: Rig) -> str:
 
 
 def rig_shape(base: Rig | None) -> Then:
-    """The shape of a rig file: every number with its origin, the exciter by name or with values of
-    its own.
+    """Return the shape of a rig file: every number with its origin, the exciter by name or with
+    values of its own.
     """
     preset = one_of(*names("exciter"))
     own = Keys({_PRESET: preset}, stated_fields(Exciter), closed=True)
@@ -131,7 +131,7 @@ def rig_shape(base: Rig | None) -> Then:
 
 
 def _rig(parts: Mapping[str, Any], base: Rig | None) -> Rig:
-    """The rig of a file's values, the others from `base`."""
+    """Return the rig of a file's values; `base` supplies the others."""
     exciter = parts.get("exciter", base.exciter.name if base else names("exciter")[0])
     values = {value.path: value for value in base.values} if base else {}
     if "exciter" in parts or base is None:

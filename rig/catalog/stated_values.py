@@ -31,7 +31,7 @@ class StatedNumber:
         return f"a list of numbers, {self.quantity}" if self.many else str(self.quantity)
 
     def read(self, node: Node, path: str, notes: Notes) -> CatalogValue:
-        """The stated value; a plain one is taken as assumed."""
+        """Return the stated value; a plain number counts as assumed."""
         parts: dict[str, Any] = {
             "value": node,
             "status": "assumed",
@@ -57,13 +57,13 @@ class StatedNumber:
         )
 
     def schema(self, kinds: dict[str, Any]) -> dict[str, Any]:
-        """The number alone, or the mapping."""
+        """Return the schema: the number alone, or the mapping."""
         number: Shape = List(self.quantity, least=1) if self.many else self.quantity
         return {"anyOf": [number.schema(kinds), _STATED.schema(kinds)]}
 
 
 def stated_fields(kind: type) -> dict[str, StatedNumber]:
-    """The number fields of a catalog dataclass."""
+    """Return the number fields of a catalog dataclass."""
     return {
         name: StatedNumber(shape)
         for name, shape in keys_of(kind).every().items()
@@ -72,14 +72,14 @@ def stated_fields(kind: type) -> dict[str, StatedNumber]:
 
 
 def write_stated(value: CatalogValue) -> dict[str, Any]:
-    """The mapping that is read back to the same value."""
+    """Return the mapping that reads back to the same value."""
     number = list(value.value) if isinstance(value.value, tuple) else value.value
     unit = {"unit": value.unit} if value.unit else {}
     return {"value": number, **unit, "status": value.status, "source": value.source}
 
 
 def _with_unit(node: Node, unit: str) -> Node:
-    """The node with a unit beside every plain number in it."""
+    """Return the node with a unit beside every plain number in it."""
     if isinstance(node.value, tuple):
         return Node(node.where, tuple(_with_unit(item, unit) for item in node.value))
     if not isinstance(node.value, int | float) or isinstance(node.value, bool):

@@ -252,7 +252,7 @@ def _swing(loop: Loop, level: float, aim: float) -> float:
 
 
 def _jumped(loop: Loop, first: complex) -> bool:
-    """Whether the level of this cycle differs from the previous one by more than any slope
+    """Return whether the level of this cycle differs from the previous one by more than any slope
     explains.
     """
     was = abs(loop.window[-1][0]) if loop.fresh else loop.before[0]

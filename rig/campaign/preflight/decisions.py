@@ -91,7 +91,7 @@ def decisions(
 
     @cache
     def entries_of(n: int) -> list[tuple[ClaimRow, ...]]:
-        """The report's entries of all claims, of each drawn session of n repeats."""
+        """Return the report's entries of all claims, for each simulated session of n repeats."""
         streams = (
             np.random.default_rng([SEED, n, place]) for place in range(max(FEWEST, DRAWN // n))
         )
@@ -110,7 +110,7 @@ def _decision(
     """
 
     def leading(n: int) -> tuple[str, float, float]:
-        """The most frequent verdict with its share of the sessions, and the share that are decided."""
+        """Return the most frequent verdict, its fraction of the sessions, and the decided fraction."""
         found = [session[place].verdict for session in entries_of(n)]
         verdict, count = Counter(found).most_common(1)[0]
         return verdict, count / len(found), sum(one != UNDECIDED for one in found) / len(found)

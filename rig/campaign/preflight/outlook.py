@@ -242,7 +242,7 @@ def _plan(
     noise = noise_at(frequency, *tops, force, acceleration, samples, rate)
 
     def expected(repeats: int) -> float:
-        """U with so many repeats; noise is part of their scatter."""
+        """Return U with `repeats` repeats; noise is part of their scatter."""
         nu = repeats - 1.0 if repeats > 1 else np.inf
         return combine(W, [*certified, (float(np.hypot(s, noise)) / np.sqrt(repeats), nu)]).U
 

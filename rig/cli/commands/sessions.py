@@ -71,7 +71,7 @@ def compare_sessions(
     same_instruments: bool,
     tolerate_gaps: bool = False,
 ) -> int:
-    """`rig report A B`: what differs between two sessions; 0 where they could be compared, 1 where
+    """Compare two sessions (`rig report A B`); return 0 where they could be compared, 1 where
     nothing matches.
     """
     from analysis.comparison.two_sessions import compare
@@ -100,7 +100,9 @@ def compare_sessions(
 
 
 def _instruments(record: Record) -> object:
-    """The true state of all instruments, as the session's truth has it; None where it does not say."""
+    """Return the true state of all instruments from the session's truth; None where it is not
+    stated.
+    """
     from analysis.comparison.offset_terms import actual_of
 
     truth = record.truth

@@ -89,7 +89,7 @@ class LiveView:
         return self._console.is_terminal
 
     def look(self, look: "LiveUpdate") -> None:
-        """A block has been recorded."""
+        """Show a block that has been recorded."""
         self._latest = look
         for name, level in look.levels.items():
             self._worst[name] = max(self._worst.get(name, 0.0), level)

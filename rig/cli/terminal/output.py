@@ -36,7 +36,7 @@ def say_compiling() -> None:
 
 
 def print_result(report: "Report", folder: Path) -> None:
-    """The verdict table of a report, and where its page lies."""
+    """Print the verdict table of a report, and the path of its page."""
     console = terminal()
     print_report(console, report)
     console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)

@@ -105,7 +105,7 @@ def table(
 
 
 def print_report(console: Console, report: "Report") -> None:
-    """The verdict table of a run: a line per condition, claims, flags, the verdict, the agreement
+    """Print the verdict table of a run: a line per condition, claims, flags, the verdict, the agreement
     and the checks.
     """
     from analysis.report import report_sentences
