@@ -20,7 +20,7 @@ from analysis.uncertainty.multiple_comparisons import Mean, beaten, holm, one_si
 
 __all__ = ["LEVEL", "TESTS", "Finding", "Level", "Question", "Scatter"]
 
-LEVEL = 0.05
+LEVEL = 0.05  # of significance
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 QUADRATIC = 2.0  # exponent of everything linear: W of a dashpot, of a phase error
 FEWEST_LEVELS = 3  # of a straight line that can contradict its own scatter

@@ -34,12 +34,12 @@ __all__ = [
     "sign_tests",
 ]
 
-LEVEL = 0.95
+LEVEL = 0.95  # probability that a healthy rig passes all tests
 ALONE = coverage_factor(math.inf, LEVEL)  # critical score of a single test
 CHAIN_SHARE = 0.9  # fraction of the conditions that must agree with the rig's own ledger
 FAILS = "does not hold"
 DRAWS = 10_000  # joint draws: the 5 % at the critical score are good to 0.2 % (one sigma)
-SEED = 1
+SEED = 1  # of the draws: equal sessions have equal verdicts
 TOGETHER = 64  # tests in one matrix product, so that memory does not grow with their number
 
 

@@ -37,13 +37,11 @@ __all__ = ["NullTest", "null_tests"]
 
 LEVELS = 3  # fewest of the bed and of the empty box
 THROUGH_STINGER = "the acceleration is read at the stinger's other end: what the stinger loses looks like an angle"
-POINTS = 4096  # of a cycle: a turning point between two is missed by at most (pi/4096)^2/2 = 3e-7 of the amplitude
-MIXTURES = (
-    0.0,
-    0.5,
-    0.9,
-    1.0,
-)  # fraction of the further variance that grows with W^2, the rest with a^2
+POINTS = 4096
+"""Points of a cycle: a turning point between two of them is missed by at most (pi/4096)^2/2 = 3e-7 of
+the amplitude."""
+MIXTURES = (0.0, 0.5, 0.9, 1.0)
+"""Fractions of the further variance that grow with W^2; the rest grows with a^2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,14 +114,15 @@ def null_tests(
         elif setting.is_bonded and runs.get(name):
             kind = "locked" if setting.bed == "locked" else "carried"
             bonded[kind, setting.bed_mass, setting.frequency, *setting.places].append(name)
-    return tuple(
-        NullTest(kind, mass, at[0], len(names), None, "undecided", THROUGH_STINGER)
-        if settings[names[0]].through_stinger
-        else _test(
-            kind, at[0], mass, [list(runs[name]) for name in names], empty[tuple(at)], channels
-        )
-        for (kind, mass, *at), names in bonded.items()
-    )
+    found = []
+    for (kind, mass, frequency, *places), names in bonded.items():
+        if settings[names[0]].through_stinger:
+            null = NullTest(kind, mass, frequency, len(names), None, "undecided", THROUGH_STINGER)
+        else:
+            levels = [list(runs[name]) for name in names]
+            null = _test(kind, frequency, mass, levels, empty[frequency, *places], channels)
+        found.append(null)
+    return tuple(found)
 
 
 def _test(

@@ -104,13 +104,8 @@ def matched(
     for places in (("bed", "drive"), ("bed",), ()):
         for set_alike in (True, False):
             used = {other.id for other in found.values()}
-            found |= _nearest([
-                (row, other)
-                for row, other in alike
-                if row.id not in found and other.id not in used
-                if all(getattr(row, name) == getattr(other, name) for name in places)
-                if not set_alike or _equal(row.acceleration_set, other.acceleration_set)
-            ])  # fmt: skip
+            free = [pair for pair in alike if pair[0].id not in found and pair[1].id not in used]
+            found |= _nearest([pair for pair in free if _preferred(pair, places, set_alike)])
     pairs = [(row, found[row.id]) for row in a if row.id in found]
     used = {other.id for _, other in pairs}
     alone = [
@@ -123,6 +118,13 @@ def matched(
         if row.id not in taken
     ]
     return pairs, alone
+
+
+def _preferred(pair: Pair, places: Sequence[str], set_alike: bool) -> bool:
+    """Return whether a pair agrees in the fields `places` and, if asked, in the level that was set."""
+    row, other = pair
+    same = all(getattr(row, name) == getattr(other, name) for name in places)
+    return same and (not set_alike or _equal(row.acceleration_set, other.acceleration_set))
 
 
 def _nearest(links: Sequence[Pair]) -> dict[str, ConditionRow]:
@@ -185,13 +187,11 @@ def _differ(one: ConditionRow, other: ConditionRow) -> list[str]:
     """Return the names of the settings that differ. Measured levels, which nobody set, are compared
     as reached.
     """
-    names = [
-        name
-        for name in SETTINGS
-        if not _equal(
-            getattr(one, name), getattr(other, name), FREQUENCY if name == "frequency" else EQUAL
-        )
-    ]
+    names = []
+    for name in SETTINGS:
+        tolerance = FREQUENCY if name == "frequency" else EQUAL
+        if not _equal(getattr(one, name), getattr(other, name), tolerance):
+            names.append(name)
     was_set = "measured" not in (one.drive, other.drive)
     if was_set and not _equal(one.acceleration_set, other.acceleration_set, FARTHEST):
         names.append("acceleration_set")

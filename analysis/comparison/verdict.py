@@ -107,16 +107,13 @@ def _ledger(results: Sequence[Result], closure: float | None, why: str) -> tuple
     """Check that the energy account closes; why: the reason where there is none."""
     if closure is None:
         return True, f"The energy account is not checked: {why}."
-    good = all(
-        run.ledger[CLOSURE] <= CLOSES.get(result.setting.drive, CLOSES["prescribed"])
-        for result in results
-        for run in result.runs
-        if run.ledger is not None and CLOSURE in run.ledger
-    )
-    return (
-        good,
-        f"The rig's energy account {'closes' if good else 'does not close'}: error {closure:.1e}, relative.",
-    )
+    good = True
+    for result in results:
+        limit = CLOSES.get(result.setting.drive, CLOSES["prescribed"])
+        ledgers = [run.ledger for run in result.runs if run.ledger is not None]
+        good = good and all(ledger[CLOSURE] <= limit for ledger in ledgers if CLOSURE in ledger)
+    found = "closes" if good else "does not close"
+    return good, f"The rig's energy account {found}: error {closure:.1e}, relative."
 
 
 def _beyond(results: Sequence[Result]) -> tuple[bool, str]:

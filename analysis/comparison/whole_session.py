@@ -353,14 +353,12 @@ def _flags(results: Sequence[Result], sweeps: Sequence[SweepCurve]) -> tuple[Fla
     for name, flags, use in every:
         for flag in flags:
             runs[flag].append((name, use))
-    return tuple(
-        FlagRow(
-            flag=flag,
-            worst=max((use[flag[5:]] for _, use in found if flag[5:] in use), default=None),
-            runs=tuple(name for name, _ in found),
-        )
-        for flag, found in runs.items()
-    )
+    rows = []
+    for flag, found in runs.items():
+        limit = flag.removeprefix("over_")
+        used = [use[limit] for _, use in found if limit in use]
+        rows.append(FlagRow(flag, max(used, default=None), tuple(name for name, _ in found)))
+    return tuple(rows)
 
 
 def _too_coarse(results: Sequence[Result], fidelity: Fidelity) -> tuple[FlagRow, ...]:

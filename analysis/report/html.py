@@ -145,8 +145,9 @@ def _cell(cell: Cell) -> str:
     if cell.value is None and cell.numeric:
         return f"<td class='n'>{escape(cell.text)}</td>"
     if cell.value is None:
-        wrap = (
-            " class='t'" if len(cell.text) > LONG else " class='w'" if len(cell.text) > WIDE else ""
-        )
+        if len(cell.text) > LONG:
+            wrap = " class='t'"
+        else:
+            wrap = " class='w'" if len(cell.text) > WIDE else ""
         return f"<td{wrap}>{escape(cell.text)}</td>"
     return f"<td class='n' data-v='{cell.value:.17g}'>{escape(cell.text)}</td>"

@@ -22,9 +22,8 @@ __all__ = [
 ]
 
 FEW = 6  # conditions whose energies the verdict names
-MENTIONED = (
-    1e-3  # least relative difference between refills and nominal bed that the verdict mentions
-)
+MENTIONED = 1e-3
+"""Least relative difference between refills and nominal bed that the verdict mentions."""
 
 
 def tested(report: Report) -> str:

@@ -158,15 +158,12 @@ def _basis(found: Comparison) -> str:
 
 
 def _sections(found: Comparison) -> tuple[Section, ...]:
-    plots, tables = _plots(found), (_pairs(found), _alone(found))
-    return tuple(
-        section
-        for section in (
-            Section("Condition by condition", (), plots, tuple(t for t in tables[:1] if t.rows)),
-            Section("Not compared", (), (), tuple(t for t in tables[1:] if t.rows)),
-        )
-        if section.plots or section.tables
+    plots, pairs, alone = _plots(found), _pairs(found), _alone(found)
+    sections = (
+        Section("Condition by condition", (), plots, (pairs,) if pairs.rows else ()),
+        Section("Not compared", (), (), (alone,) if alone.rows else ()),
     )
+    return tuple(section for section in sections if section.plots or section.tables)
 
 
 def _plots(found: Comparison) -> tuple[Plot, ...]:

@@ -121,16 +121,11 @@ def coil_estimates(
     """
     n = len(coils)
     W = math.fsum(coil.W for coil in coils) / n
-    own = [
-        replace(
-            first,
-            u=math.fsum(line.u for line in same) / n,
-            c=math.fsum(line.c for line in same) / n,
-        )
-        for first, same in (
-            (same[0], same) for same in zip(*(coil.lines for coil in coils), strict=False)
-        )
-    ]
+    own = []
+    for same in zip(*(coil.lines for coil in coils), strict=False):
+        # One line of every run: the same input, so that means take the place of u and c.
+        u, c = math.fsum(line.u for line in same) / n, math.fsum(line.c for line in same) / n
+        own.append(replace(same[0], u=u, c=c))
     noise = math.sqrt(math.fsum(coil.u_noise**2 for coil in coils)) / n
     of_runs = scatter_line([coil.W for coil in coils], stretch_of(lines))
     scatter = [(line.part, line.nu) for line in of_runs] or [(noise, math.inf)]

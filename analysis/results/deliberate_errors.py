@@ -46,9 +46,8 @@ class Words:
 
 
 ANGLE = "error = dphi/eta"
-NOTHING = (
-    1e-9  # loss factor of round-off: below it no energy was dissipated that an error could refer to
-)
+NOTHING = 1e-9
+"""Loss factor of round-off: below it no energy was dissipated that an error could refer to."""
 WORDS: Mapping[str, Words] = {
     "pole": Words(
         "the accelerometer's true time constant is {value:g} times the certified one, by which the record is corrected",

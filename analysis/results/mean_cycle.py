@@ -14,7 +14,7 @@ from analysis.results.waveform_rows import RunCycles, Waveforms
 __all__ = ["HARMONICS", "waveforms"]
 
 HARMONICS = 100  # that are kept: enough for the steps of impacts at the size of a page
-DIGITS = 7
+DIGITS = 7  # of phasors and energies in the report: beyond any drawing
 MOST = 1000  # values of W of a run in the report
 
 

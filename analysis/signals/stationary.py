@@ -15,7 +15,7 @@ __all__ = ["FEWEST_CYCLES", "Steadiness", "drive_frequency", "fundamental", "ste
 
 Array = NDArray[np.float64]
 
-FEWEST_CYCLES = 5
+FEWEST_CYCLES = 5  # of a record whose steadiness is judged
 STRETCHES = 8
 """Number of equal stretches of whole cycles whose fundamentals are compared."""
 
@@ -24,8 +24,8 @@ NEAR = 0.45
 harmonics and the half frequency.
 """
 
-ROUNDS = 20
-CONVERGED = 1e-12
+ROUNDS = 20  # most refinements of a frequency
+CONVERGED = 1e-12  # relative change of the frequency that ends the refinement
 
 
 @dataclass(frozen=True, slots=True)

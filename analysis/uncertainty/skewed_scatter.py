@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 SESSIONS, NUMBERS = 2000, 2**15
 """Least number of simulated sessions, and least number of refills over all of them."""
 
-SEED = 1
+SEED = 1  # of the draws: equal refills have equal factors
 
 
 def skew(values: Sequence[float]) -> float:

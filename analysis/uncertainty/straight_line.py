@@ -16,7 +16,7 @@ __all__ = ["Errors", "StraightLine", "fitted"]
 
 Array = NDArray[np.float64]
 
-STEPS = 200
+STEPS = 200  # most Gauss-Newton steps
 ENOUGH = 1e-12  # relative change of the slope at which the iteration has converged
 ROUNDED = 1e-6
 """Relative change of the slope below which a step that is no smaller than the last one is round-off (of

@@ -28,11 +28,11 @@ BLUE, ORANGE, GREEN, GREY, INK = "#0072b2", "#d55e00", "#007a5a", "#8a8a8a", "#1
 SERIES = (BLUE, "#b87700", GREEN, "#b3578a", "#3a93c9", "#000000", ORANGE, "#767622")
 MARKERS = "osD^v"
 
-WIDTH, HEIGHT = 356.0, 236.0
-LEFT, RIGHT, TOP, BOTTOM = 66.0, 8.0, 24.0, 40.0
+WIDTH, HEIGHT = 356.0, 236.0  # of a panel, pixels: the width of a phone
+LEFT, RIGHT, TOP, BOTTOM = 66.0, 8.0, 24.0, 40.0  # margins around the frame
 NEAR = 20.0  # bound of the linear part of a signed logarithmic axis
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between ticks, times a power of ten
 
 
 @dataclass(frozen=True, slots=True)

@@ -110,7 +110,8 @@ def terms_plot(report: Report) -> Plot | None:
     )
     for place, (name, start, end) in enumerate([*steps, ("offset", 0.0, so_far)]):
         low, high = min(start, end), max(start, end)
-        colour = GREEN if name == "offset" else BLUE if end >= start else ORANGE
+        sign = BLUE if end >= start else ORANGE
+        colour = GREEN if name == "offset" else sign
         panel.column(place, low, high, colour)
         if abs(end - start) >= 0.05 or name == "offset":
             places = 1 if abs(end - start) < 10 else 0

@@ -58,16 +58,11 @@ def rows_csv(rows: Iterable[dict[str, Any]]) -> str:
     """Return statements of the paper, a line each: as printed, corrected, a number of each, yes or
     no.
     """
-    return _csv(
-        COLUMNS,
-        (
-            [
-                ("yes" if row["holds"] else "no") if name == "holds" else _cell(row[name])
-                for name in COLUMNS
-            ]
-            for row in rows
-        ),
-    )
+    cells = []
+    for row in rows:
+        shown = {**row, "holds": "yes" if row["holds"] else "no"}
+        cells.append([_cell(shown[name]) for name in COLUMNS])
+    return _csv(COLUMNS, cells)
 
 
 def panel_csv(panel: Panel) -> str:
@@ -135,7 +130,9 @@ def _axis(quantity: dict[str, Any]) -> str:
 
 
 def _cell(value: Any) -> str:
-    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)
 
 
 def _csv(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
