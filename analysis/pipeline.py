@@ -1,7 +1,7 @@
 """From a record to energies and to the report: one run at a time, in constant memory."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import cached_property
 
@@ -13,6 +13,7 @@ from analysis.comparison.verdict import NOT_REACHED
 from analysis.comparison.whole_session import agreement
 from analysis.energy.energy_and_phasors import AtBox, Energy
 from analysis.energy.gauge_position import at_box
+from analysis.energy.ledger_means import ledger_means
 from analysis.energy.per_cycle import Total, harmonics, window_energy
 from analysis.energy.sweep import sweep
 from analysis.results.coil_current import coil_of
@@ -23,7 +24,6 @@ from analysis.session.documents import document_as
 from analysis.session.exciter import SessionExciter
 from analysis.session.fidelity import Fidelity
 from analysis.session.former_names import text_today
-from analysis.session.ledger_columns import EXACT
 from analysis.session.protocol import SessionProtocol, SessionRig
 from analysis.session.record import (
     AnalysisError,
@@ -51,8 +51,6 @@ STOPPED = "stopped_by_"  # scalars of this prefix are 1 for the limit that stopp
 TRIGGER = (
     "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
 )
-CLOSURES = ("closure", "closure_exciter")  # ledger columns whose largest magnitude counts
-PIECE = 4096  # cycles of a ledger that are read at a time, so that memory does not grow with it
 LIMITS = "use_"  # scalars of this prefix are utilisations of a limit, 1 at the limit
 
 
@@ -147,11 +145,8 @@ class Reader:
             - acceleration.skew
         )
         stretches = _stretches(record, run, window, self._tolerate_gaps)
-        total, scrutiny, bits = (
-            Total(),
-            Scrutiny((force, acceleration), setting),
-            run.flags & SETTLED,
-        )
+        total, scrutiny = Total(), Scrutiny((force, acceleration), setting)
+        bits = run.flags & SETTLED
         for part in (part for stretch in stretches for part in stretch.segments()):
             first, last = part.sample_range()
             signals = [self._signal(run.name, name, first, last) for name in (FORCE, ACCELERATION)]
@@ -167,11 +162,9 @@ class Reader:
                 time_constants=(force.time_constants, acceleration.time_constants), delay=delay,
                 box_mass=setting.box_mass,
             )  # fmt: skip
-            total.add(
-                energy
-                if setting.deliberate_error is None
-                else misread(energy, setting.deliberate_error, F, a)
-            )
+            if setting.deliberate_error is not None:
+                energy = misread(energy, setting.deliberate_error, F, a)
+            total.add(energy)
         energy = total.energy()
         samples = round(energy.cycles * window.grid.period)
         wanted = int(setting.record_cycles)
@@ -193,7 +186,7 @@ class Reader:
                 *_stops(scalars),
             ),
             use=_use(scalars),
-            ledger=_ledger(self.truth, run, setting, window, stretches),
+            ledger=ledger_means(self.truth, run, setting, window, stretches),
             coil=_coil(record, run, window, energy, samples, self.exciter),
             at_box=_at_box(setting, energy, self.exciter),
             recorded=recorded if math.isfinite(recorded) else None,
@@ -404,38 +397,3 @@ def _use(scalars: Mapping[str, float]) -> dict[str, float]:
     return {
         name.removeprefix(LIMITS): used for name, used in scalars.items() if name.startswith(LIMITS)
     }
-
-
-def _ledger(
-    truth: Truth | None,
-    run: RunFacts,
-    setting: Setting,
-    window: Window,
-    stretches: Sequence[Window],
-) -> dict[str, float] | None:
-    """Return the true energies, means over the analysed drive cycles, and the largest closure
-    errors.
-
-    None for a record without truth, or with gaps in its ledger.
-    """
-    if truth is None:
-        return None
-    first, period = round(setting.settle_cycles), window.grid.period
-    read = [(round((part.start - window.start) / period), part.cycles) for part in stretches]
-    closure: dict[str, float] = {}
-    count, total = 0, np.zeros(1)
-    for begin, cycles in read:
-        for place in range(begin, begin + cycles, PIECE):
-            end = min(place + PIECE, begin + cycles)
-            columns, rows = truth.ledger(run.name, first + place, first + end)
-            if len(rows) < end - place:
-                return None
-            total = total + rows.sum(axis=0)
-            count += len(rows)
-            for name in CLOSURES:
-                if name in columns:
-                    own = float(np.abs(rows[:, columns.index(name)]).max())
-                    closure[name] = max(own, closure.get(name, 0.0))
-    found = dict(zip(columns, (total / count).tolist(), strict=True))
-    known = {name: value for name, value in found.items() if not math.isnan(value)}
-    return known | closure if known.keys() >= found.keys() - {EXACT} else None

@@ -24,8 +24,6 @@ LEVEL = 0.05  # of significance
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 QUADRATIC = 2.0  # exponent of everything linear: W of a dashpot, of a phase error
 FEWEST_LEVELS = 3  # of a straight line that can contradict its own scatter
-NOISE = 3.0
-"""Standard deviations of the instruments' noise that an energy must exceed to count as seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +92,8 @@ class Scatter:
         Conditions in which nothing can slide count only where there are no others: a refill changes
         nothing in them, so that their scatter says nothing about that of the others.
         """
-        repeated = [r for r in results if _seen(r) and len(r.runs) > 1]
-        counted = [r for r in repeated if not _is_still(r)] or repeated
+        repeated = [r for r in results if r.is_seen and len(r.runs) > 1]
+        counted = [r for r in repeated if not r.setting.is_still] or repeated
         if not counted:
             return None
         levels = _of_levels(counted)
@@ -115,17 +113,12 @@ class Scatter:
         )
 
 
-def _is_still(result: Result) -> bool:
-    """Return whether nothing can slide in a condition."""
-    return result.setting.is_empty or result.setting.is_bonded
-
-
 def _own_variance(result: Result) -> tuple[float, float]:
     """Return the variance of ln W between the runs of a condition, and its degrees of freedom.
 
     (0, 0) for a single run and for energies below the detection limit.
     """
-    if len(result.runs) < 2 or not _seen(result):
+    if len(result.runs) < 2 or not result.is_seen:
         return 0.0, 0.0
     variance = _variance([math.log(run.energy.W) for run in result.runs])
     # No two runs are known to agree better than the arithmetic does.
@@ -152,11 +145,11 @@ def _expected(result: Result, of_levels: float) -> float | None:
     goes as a^n) and of the instruments' noise.
     """
     total = result.W_T.value if result.W_T is not None else None
-    if _is_still(result):
+    if result.setting.is_still:
         total = 0.0
     if total is None or (total and len(result.refills) < 2):
         return None
-    W = math.exp(_log(result))
+    W = math.exp(result.log_energy)
     between_refills = _variance(result.refills) * (total / W) ** 2 if total else 0.0
     noise = math.fsum((run.u_noise / W) ** 2 for run in result.runs) / len(result.runs)
     n = result.predicted.exponent or QUADRATIC
@@ -205,38 +198,24 @@ def logs(levels: Sequence[Level], scatter: Scatter | None = None) -> Logs | None
         m = len(level.results)
         parts = [(run[id(r)][0] / len(r.runs) / m**2, run[id(r)][1]) for r in level.results]
         nu = effective_dof([(math.sqrt(variance), nu) for variance, nu in parts])
-        mean = math.fsum(map(_log, level.results)) / m
+        mean = math.fsum(result.log_energy for result in level.results) / m
         means.append(
             (mean, math.fsum(variance for variance, _ in parts), min(nu, common.prior.most))
         )
     spread = [math.sqrt(variance) for variance, _ in run.values()]
-    seen = tuple(all(map(_seen, level.results)) for level in levels)
+    seen = tuple(all(result.is_seen for result in level.results) for level in levels)
     return Logs(tuple(means), common.prior.most, seen, (min(spread), max(spread)))
-
-
-def _seen(result: Result) -> bool:
-    """Return whether every run exceeds the detection limit and the instruments' noise."""
-    return all(max(result.detect, NOISE * run.u_noise) < run.energy.W for run in result.runs)
-
-
-def _log(result: Result) -> float:
-    """Return the mean of ln W; below the detection limit, ln of the largest W that is compatible
-    with the record.
-    """
-    if _seen(result):
-        return math.fsum(math.log(run.energy.W) for run in result.runs) / len(result.runs)
-    return math.log(max(result.W_exp.value, 0.0) + max(result.detect, result.W_exp.U, 1e-300))
 
 
 def _without_scatter(levels: Sequence[Level]) -> Finding:
     """Return the undecided finding that says why nothing can be compared."""
     if len(levels) < 2:
-        return Finding(
-            "", OPEN, f"only one value was measured, {levels[0].label}: nothing to compare it with"
-        )
-    if any(len(result.runs) > 1 for level in levels for result in level.results):
-        return Finding("", OPEN, "no repeated condition exceeds the detection limit")
-    return Finding("", OPEN, "no condition was repeated: nothing says what a difference means")
+        why = f"only one value was measured, {levels[0].label}: nothing to compare it with"
+    elif any(len(result.runs) > 1 for level in levels for result in level.results):
+        why = "no repeated condition exceeds the detection limit"
+    else:
+        why = "no condition was repeated: nothing says what a difference means"
+    return Finding("", OPEN, why)
 
 
 def optimum(levels: Sequence[Level], question: Question) -> Finding:
@@ -334,14 +313,11 @@ def nonlinear(levels: Sequence[Level], question: Question) -> Finding:
     n is the slope of a straight line through ln W over ln a of all runs of the levels that are
     seen.
     """
-    seen = [level for level in levels if all(map(_seen, level.results))]
+    seen = [level for level in levels if all(result.is_seen for result in level.results)]
     runs = [run for level in seen for result in level.results for run in result.runs]
     if len(seen) < FEWEST_LEVELS:
-        return Finding(
-            "",
-            OPEN,
-            f"{len(seen)} levels stand out of the detection limit, {FEWEST_LEVELS} are needed",
-        )
+        why = f"{len(seen)} levels stand out of the detection limit, {FEWEST_LEVELS} are needed"
+        return Finding("", OPEN, why)
     x, y = np.log([[run.energy.level, run.energy.W] for run in runs]).T
     x = x - x.mean()
     if not x.any():

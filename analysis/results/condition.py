@@ -34,6 +34,9 @@ from analysis.uncertainty.skewed_scatter import stretch
 
 __all__ = ["Result", "evaluate"]
 
+NOISE = 3.0
+"""Standard deviations of the instruments' noise that an energy must exceed to count as seen."""
+
 
 @dataclass(frozen=True, eq=False)
 class Result:
@@ -86,6 +89,18 @@ class Result:
     def _stands_out(self, W_T: Estimate | None) -> bool:
         floor = max(self.detect, self.W_exp.U)
         return W_T is not None and W_T.value > 0 and min(W_T.value, self.W_exp.value) >= floor
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether every run exceeds the detection limit and the instruments' noise."""
+        return all(max(self.detect, NOISE * run.u_noise) < run.energy.W for run in self.runs)
+
+    @property
+    def log_energy(self) -> float:
+        """Mean of ln W; where W is not seen, ln of the largest W that is compatible with the record."""
+        if self.is_seen:
+            return math.fsum(math.log(run.energy.W) for run in self.runs) / len(self.runs)
+        return math.log(max(self.W_exp.value, 0.0) + max(self.detect, self.W_exp.U, 1e-300))
 
     def mean(self, name: str) -> float:
         """Return the mean over the runs of an attribute of their Energy."""

@@ -146,6 +146,11 @@ class Setting:
         """
         return not self.is_empty and (self.bed == "locked" or self.carried)
 
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing in the box can slide: it is empty, or its grains are bonded."""
+        return self.is_empty or self.is_bonded
+
 
 CONDITION = shape_of(Setting)
 """Schema of a condition in the session."""

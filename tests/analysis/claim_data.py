@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from analysis.comparison.claims import judge
+from analysis.results.condition import Result
 from analysis.session.prediction import Predicted
 from analysis.session.protocol import ExpectedClaim
 from analysis.uncertainty.budget import combine, scatter_line
@@ -22,8 +23,8 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
     a = np.broadcast_to(a, len(W))
     mean = math.fsum(W) / len(W)
     lines = (*scatter_line(W), Line("scale", "1", scale, math.inf, mean))
-    return SimpleNamespace(
-        setting=SimpleNamespace(id=name, is_empty=still, is_bonded=False),
+    found = SimpleNamespace(
+        setting=SimpleNamespace(id=name, is_empty=still, is_bonded=False, is_still=still),
         runs=tuple(
             SimpleNamespace(energy=SimpleNamespace(W=w, level=float(x)), u_noise=1e-7)
             for w, x in zip(W, a, strict=True)
@@ -36,6 +37,10 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
         refills=tuple(refills),
         predicted=Predicted(),
     )
+    # the rules of a real condition, which need no more than these fields
+    found.is_seen = Result.is_seen.fget(found)
+    found.log_energy = Result.log_energy.fget(found)
+    return found
 
 
 def entry(kind, values=(), limits=(), cases=1, **more):
