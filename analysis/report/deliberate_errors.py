@@ -3,10 +3,10 @@
 from analysis.report.tables.cells import Cell, Table
 from analysis.results.report import Report
 
-__all__ = ["mistake_sentences", "mistake_tables"]
+__all__ = ["deliberate_error_sentences", "deliberate_error_tables"]
 
 
-def mistake_sentences(report: Report) -> tuple[str, ...]:
+def deliberate_error_sentences(report: Report) -> tuple[str, ...]:
     """Return a paragraph about the deliberate error; empty without one."""
     found = report.deliberate_error
     if found is None:
@@ -22,7 +22,7 @@ def mistake_sentences(report: Report) -> tuple[str, ...]:
     return (f"{text} Rule: {found.rule}. It shows in: {found.notice}.",)
 
 
-def mistake_tables(report: Report) -> tuple[Table, ...]:
+def deliberate_error_tables(report: Report) -> tuple[Table, ...]:
     """Return the table of wrong and true W, with the error found and the rule's; empty without a
     deliberate error.
     """
@@ -54,7 +54,7 @@ def mistake_tables(report: Report) -> tuple[Table, ...]:
         )
         for row in found.conditions
     )
-    return (Table("The deliberate mistake", note, head, rows),)
+    return (Table("The deliberate error", note, head, rows),)
 
 
 def _number(value: float | None, form: str, scale: float = 1.0) -> Cell:

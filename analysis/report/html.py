@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from analysis.report import report_sentences
-from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
+from analysis.report.deliberate_errors import deliberate_error_sentences, deliberate_error_tables
 from analysis.report.figures.drawing import Plot, svg_text
 from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
@@ -58,11 +58,11 @@ def html_text(report: Report, parts: Sequence[Section] | None = None) -> str:
         + "</section>",
         *(
             f"<p class='lead'><strong>{escape(text)}</strong></p>"
-            for text in mistake_sentences(report)
+            for text in deliberate_error_sentences(report)
         ),
         *(
             f"<section>{_table(table, f'm{n}')}</section>"
-            for n, table in enumerate(mistake_tables(report))
+            for n, table in enumerate(deliberate_error_tables(report))
         ),
         *(f"<p>{escape(text)}</p>" for text in fidelity_sentences(report)),
     ]

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from analysis.report import report_sentences
-from analysis.report.deliberate_errors import mistake_sentences, mistake_tables
+from analysis.report.deliberate_errors import deliberate_error_sentences, deliberate_error_tables
 from analysis.report.loss_names import losses_sentence
 from analysis.report.sections import Section, sections
 from analysis.report.tables.cells import Table
@@ -48,8 +48,8 @@ def markdown_text(report: Report, parts: Sequence[Section] | None = None) -> str
         plain(report_sentences.headline(report)),
         *map(plain, report_sentences.found(report)),
         "\n".join(f"- {plain(reason)}" for reason in report_sentences.reasons(report)),
-        *(f"**{plain(text)}**" for text in mistake_sentences(report)),
-        *map(_table, mistake_tables(report)),
+        *(f"**{plain(text)}**" for text in deliberate_error_sentences(report)),
+        *map(_table, deliberate_error_tables(report)),
         *map(plain, fidelity_sentences(report)),
         *section_texts(sections(report) if parts is None else parts),
     ]

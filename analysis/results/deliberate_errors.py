@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 from analysis.energy.energy_and_phasors import Energy
 from analysis.results.condition import Result
-from analysis.results.mistake_rows import MistakeReport, MistakeRow
+from analysis.results.deliberate_error_rows import DeliberateErrorReport, DeliberateErrorRow
 from analysis.session.ledger_columns import DISSIPATED
 from analysis.session.record import ChannelFacts
-from analysis.session.setting import DeliberateMistake
+from analysis.session.setting import SessionDeliberateError
 from analysis.signals.correction import pole_phase
 from analysis.signals.integration import integral
 
@@ -95,7 +95,7 @@ WORDS: Mapping[str, Words] = {
 
 
 def misread(
-    energy: Energy, mistake: DeliberateMistake, force: Array, acceleration: Array
+    energy: Energy, error: SessionDeliberateError, force: Array, acceleration: Array
 ) -> Energy:
     """Return a window's energies with W read wrongly, where the deliberate error is one of the
     reading.
@@ -105,11 +105,11 @@ def misread(
     """
     points = force.size // energy.cycles
     step = 1 / (energy.frequency * points)
-    if mistake.kind == "cycles":
+    if error.kind == "cycles":
         return replace(
-            energy, W=_broken_cycles(force, acceleration, step, points, float(mistake.value))
+            energy, W=_broken_cycles(force, acceleration, step, points, float(error.value))
         )
-    if mistake.kind == "offset":
+    if error.kind == "offset":
         velocity = (np.cumsum(acceleration) - 0.5 * acceleration) * step
         return replace(energy, W=float(np.einsum("i,i->", force, velocity)) * step / energy.cycles)
     return energy
@@ -129,7 +129,7 @@ def _broken_cycles(
 
 def deliberate(
     results: Sequence[Result], channels: Mapping[str, ChannelFacts]
-) -> MistakeReport | None:
+) -> DeliberateErrorReport | None:
     """Return the deliberate error of a session and its effect on each condition; None where there
     is none.
     """
@@ -142,28 +142,28 @@ def deliberate(
         return None
     kind, value = made[0][1].kind, float(made[0][1].value)
     words = WORDS[kind]
-    return MistakeReport(
+    return DeliberateErrorReport(
         kind=kind,
         parameter=value,
         what=words.what.format(value=value, percent=100 * value, plural="s" * (value > 1)),
         rule=words.rule,
         notice=words.notice,
-        conditions=tuple(_row(result, mistake, channels) for result, mistake in made),
+        conditions=tuple(_row(result, error, channels) for result, error in made),
     )
 
 
 def _row(
-    result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
-) -> MistakeRow:
+    result: Result, error: SessionDeliberateError, channels: Mapping[str, ChannelFacts]
+) -> DeliberateErrorRow:
     """Return the effect on one condition."""
     found, name = result.W_exp.value, result.setting.id
-    true = _true(result, mistake.kind)
+    true = _true(result, error.kind)
     if true is None or not true > NOTHING * abs(result.mean("reactive")):
-        return MistakeRow(name, found, true, None, None, None, None)
+        return DeliberateErrorRow(name, found, true, None, None, None, None)
     eta = true / result.mean("reactive")
-    error, predicted = found / true - 1, _predicted(result, mistake, channels, true, eta)
-    return MistakeRow(
-        name, found, true, eta, error, predicted, error / predicted if predicted else None
+    relative, predicted = found / true - 1, _predicted(result, error, channels, true, eta)
+    return DeliberateErrorRow(
+        name, found, true, eta, relative, predicted, relative / predicted if predicted else None
     )
 
 
@@ -180,15 +180,15 @@ def _true(result: Result, kind: str) -> float | None:
 
 def _predicted(
     result: Result,
-    mistake: DeliberateMistake,
+    error: SessionDeliberateError,
     channels: Mapping[str, ChannelFacts],
     true: float,
     eta: float,
 ) -> float:
     """Return the relative error of W by the rule."""
-    setting, value, level = result.setting, float(mistake.value), result.mean("level")
+    setting, value, level = result.setting, float(error.value), result.mean("level")
     omega = 2 * math.pi * setting.frequency
-    match mistake.kind:
+    match error.kind:
         case "cycles":
             turn = 2 * math.pi * value
             return math.sin(2 * turn) / (2 * turn) - math.sin(turn) ** 2 / (turn * eta)
@@ -198,28 +198,28 @@ def _predicted(
             return 2 * value / eta
         case "friction":
             moved = setting.box_mass + setting.gauge_mass + setting.bed_mass
-            return 4 * value * moved * (mistake.gravity or 0.0) * level / omega**2 / true
+            return 4 * value * moved * (error.gravity or 0.0) * level / omega**2 / true
         case "corners":
             # |1/(1 - j fc/f)| = 1 - (fc/f)^2/2 to second order, for each of the two amplitudes
-            reduced = sum((corner / setting.frequency) ** 2 for corner in _corners(mistake)) / 2
-            return _lead("corners", result, mistake, channels) / eta - reduced
+            reduced = sum((corner / setting.frequency) ** 2 for corner in _corners(error)) / 2
+            return _lead("corners", result, error, channels) / eta - reduced
         case kind:
-            return _lead(kind, result, mistake, channels) / eta
+            return _lead(kind, result, error, channels) / eta
 
 
-def _corners(mistake: DeliberateMistake) -> tuple[float, float]:
+def _corners(error: SessionDeliberateError) -> tuple[float, float]:
     """Return the corners of the force's and the acceleration's AC coupling, Hz."""
-    corner = mistake.corner or 0.0
-    return corner, corner * (1 + float(mistake.value))
+    corner = error.corner or 0.0
+    return corner, corner * (1 + float(error.value))
 
 
 def _lead(
-    kind: str, result: Result, mistake: DeliberateMistake, channels: Mapping[str, ChannelFacts]
+    kind: str, result: Result, error: SessionDeliberateError, channels: Mapping[str, ChannelFacts]
 ) -> float:
     """Return the phase by which the acceleration leads because of the error, rad; its mean over the
     record where it slides.
     """
-    setting, value = result.setting, float(mistake.value)
+    setting, value = result.setting, float(error.value)
     omega = 2 * math.pi * setting.frequency
     if kind == "pole":
         certified = channels["acceleration"].time_constant
@@ -229,10 +229,10 @@ def _lead(
             else pole_phase(omega, value * certified) - pole_phase(omega, certified)
         )
     if kind == "corners":
-        force, acceleration = _corners(mistake)
+        force, acceleration = _corners(error)
         return math.atan(acceleration / setting.frequency) - math.atan(force / setting.frequency)
     if kind == "skew":
-        return -omega * (mistake.delay or 0.0)
+        return -omega * (error.delay or 0.0)
     return (
         -omega
         * 1e-6

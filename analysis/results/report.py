@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from analysis.energy.sweep_curve import SweepCurve
 from analysis.results.condition_row import ConditionRow
+from analysis.results.deliberate_error_rows import DeliberateErrorReport
 from analysis.results.judged_rows import ClaimRow, NullRow, ReferenceRow
-from analysis.results.mistake_rows import MistakeReport
 from analysis.results.session_rows import AgreementRow, CauseRow, ComparisonRow
 from analysis.results.waveform_rows import Waveforms
 from analysis.session.fidelity import Fidelity
@@ -128,7 +128,7 @@ class Report:
     sweeps: Annotated[tuple[SweepCurve, ...], LEFT_OUT] = ()
     resolved: Annotated[Resolved | None, LEFT_OUT] = None
     fidelity: Annotated[Fidelity | None, LEFT_OUT] = None
-    deliberate_error: Annotated[MistakeReport | None, LEFT_OUT] = None
+    deliberate_error: Annotated[DeliberateErrorReport | None, LEFT_OUT] = None
 
     @property
     def passes(self) -> bool:

@@ -17,7 +17,7 @@ Size = Annotated[float | None, SIZE]
 Mass = Annotated[float, MASS]
 One = Annotated[float, ONE]
 Unset = Annotated[float | None, Number(), LEFT_OUT]
-MISTAKES = {
+DELIBERATE_ERRORS = {
     "pole": {"value": ONE},
     "corners": {"corner": ONE},
     "cycles": {"value": ONE},
@@ -27,13 +27,14 @@ MISTAKES = {
     "offset": {},
     "friction": {"gravity": MASS},
 }
-MISTAKE = Choice(
-    "kind", {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in MISTAKES.items()}
+DELIBERATE_ERROR = Choice(
+    "kind",
+    {kind: Keys({"value": Number(-1e9, 1e9), **more}) for kind, more in DELIBERATE_ERRORS.items()},
 )
 
 
 @dataclass(frozen=True, slots=True)
-class DeliberateMistake:
+class SessionDeliberateError:
     """A deliberate error (analysis.results.deliberate_errors).
 
     value : its size
@@ -97,7 +98,7 @@ class Setting:
     gauge_mass: Mass
     moving_mass: Mass
     dashpot_c: Size = None
-    deliberate_error: Annotated[DeliberateMistake | None, MISTAKE] = None
+    deliberate_error: Annotated[SessionDeliberateError | None, DELIBERATE_ERROR] = None
     sweep_to: Annotated[float | None, ONE] = None
     gauge: Annotated[str | None, Text()] = None
     accelerometer: Annotated[str | None, Text()] = None

@@ -1,4 +1,4 @@
-"""Bad practice on purpose: one well-known mistake of a measurement, so that its report can be
+"""Bad practice on purpose: one well-known error of a measurement, so that its report can be
 studied.
 """
 
@@ -15,7 +15,7 @@ AC_CORNER = 0.5
 
 @dataclass(frozen=True)
 class DeliberateError:
-    """At most one of these mistakes; none by default. The channel table and the predictions know
+    """At most one of these errors; none by default. The channel table and the predictions know
     nothing of it.
 
     pole : actual over certified time constant of the accelerometer corners : both channels are AC
@@ -38,13 +38,13 @@ class DeliberateError:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Names of the mistakes that are made: one, or none."""
+        """Names of the errors that are made: one, or none."""
         made = ((item.name, getattr(self, item.name)) for item in fields(self))
         return tuple(name for name, value in made if value is not None and value is not False)
 
     @property
     def kind(self) -> str | None:
-        """Name of the mistake that is made."""
+        """Name of the error that is made."""
         return next(iter(self.kinds), None)
 
 

@@ -304,13 +304,11 @@ def unfit(protocol: Protocol) -> Iterator[Conflict]:
         found = f"the drive {mode} with fidelity auto, which looks at beds in a programmed motion"
         yield Conflict(("drive.mode", "fidelity"), found, "prescribed, or fidelity: as_written")
     if protocol.deliberate_error.cycles is not None:
-        found = (
-            "a mistake in the cycles that are read, with fidelity auto, which finds acquire.record"
-        )
+        found = "a deliberate error in the cycles that are read, with fidelity auto, which finds acquire.record"
         yield Conflict(
             ("deliberate_error.cycles", "fidelity"),
             found,
-            "another mistake, or fidelity: as_written",
+            "another deliberate error, or fidelity: as_written",
         )
 
 
@@ -324,11 +322,13 @@ def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
 def misfits(
     practice: DeliberateError, scene: Scene, drive: Drive, acquire: Acquire
 ) -> Iterator[Conflict]:
-    """Everything that keeps a deliberate mistake from being made in this condition."""
+    """Everything that keeps a deliberate error from being made in this condition."""
     if len(practice.kinds) > 1:
-        yield Conflict(("deliberate_error",), " and ".join(practice.kinds), "one mistake at most")
+        yield Conflict(
+            ("deliberate_error",), " and ".join(practice.kinds), "one deliberate error at most"
+        )
     if practice.kind is not None and drive.mode == "shaker":
-        found = f"the mistake {practice.kind} in shaker-coupled drive"
+        found = f"the deliberate error {practice.kind} in shaker-coupled drive"
         yield Conflict(
             ("deliberate_error", "drive.mode"),
             found,

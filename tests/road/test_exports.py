@@ -40,7 +40,7 @@ GRIDS = {
 has ideal inputs, whose force may be exactly zero in a harmonic."""
 
 ANALYSED_WRONGLY = {"gallery/cycles", "gallery/offset"}
-"""Whose mistake is made in the analysis: the record is right, and so is what is found in it by
+"""Whose error is made in the analysis: the record is right, and so is what is found in it by
 hand.
 """
 

@@ -1,4 +1,4 @@
-"""The gallery of bad experiments: each is as wrong as its rule says, and right once its mistake is
+"""The gallery of bad experiments: each is as wrong as its rule says, and right once its error is
 taken away.
 """
 
@@ -43,7 +43,7 @@ def said_in_the_docs(kind: str) -> tuple[list[float], list[float]]:
     return found, rule
 
 
-def test_every_mistake_has_its_protocol() -> None:
+def test_every_deliberate_error_has_its_protocol() -> None:
     assert [path.stem for path in FILES] == sorted(KINDS)
     assert {load_protocol(path).deliberate_error.kinds for path in FILES} == {
         (kind,) for kind in KINDS
@@ -75,8 +75,8 @@ def test_it_is_as_wrong_as_its_rule_says(path: Path, tmp_path: Path) -> None:
 
 
 @every
-def test_without_the_mistake_it_is_right(path: Path, tmp_path: Path) -> None:
-    """W_exp meets the right W of the bad experiment within U: mistakes leave the bed as it is."""
+def test_without_the_error_it_is_right(path: Path, tmp_path: Path) -> None:
+    """W_exp meets the right W of the bad experiment within U: deliberate errors leave the bed as it is."""
     bad = report_of(path, tmp_path / "bad")
     sets = ("scene.losses=[]", "scene.support=none") if path.stem == "friction" else ()
     good = report_of(path, tmp_path / "good", "deliberate_error={}", *sets)
@@ -185,7 +185,7 @@ def test_the_protocol_survives_the_file(path: Path) -> None:
 BAD = {
     "deliberate_error={skw: 1}": ("deliberate_error.skw", "skew"),
     "deliberate_error={skew: 0}": ("deliberate_error.skew", "at least 1 samples"),
-    "deliberate_error={skew: 1, clock: 50 ppm}": ("skew and clock", "one mistake at most"),
+    "deliberate_error={skew: 1, clock: 50 ppm}": ("skew and clock", "one deliberate error at most"),
     "deliberate_error={pole: 0.5}": ("a pole of ideal", "a sensor with a time constant"),
     "deliberate_error={cycles: 40.3}": ("40.3 of 40 cycles", "acquire.record"),
     "deliberate_error={clock: 50}": (),

@@ -17,7 +17,7 @@ FEW = ("repeats=2", "acquire.record=20 cycles")
 
 
 def cases() -> dict[str, tuple[str | Path, tuple[str, ...], tuple[str, ...]]]:
-    """Protocol, values set and axes: nulls, claims, a mistake, a chosen fidelity, the exciter in
+    """Protocol, values set and axes: nulls, claims, a deliberate error, a chosen fidelity, the exciter in
     the loop.
     """
     protocols = ROOT / "protocols"

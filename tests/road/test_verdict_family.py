@@ -278,24 +278,24 @@ def test_faults_are_found_in_95_of_100_sessions(name: str) -> None:
     assert {fault: count for fault, count in found.items() if count < FOUND * 200} == {}
 
 
-MISTAKES = ("{skew: 1}", "{pole: 0.5}")  # 12.6 and 5 mrad at 20 Hz
+ERRORS = ("{skew: 1}", "{pole: 0.5}")  # 12.6 and 5 mrad at 20 Hz
 
 
-def found(mistake: str, count: int) -> int:
-    """Sessions that fail, of so many with a mistake in the record itself."""
+def found(error: str, count: int) -> int:
+    """Sessions that fail, of `count` with a deliberate error in the record itself."""
     case = made(ROWS, BEDS, settle=10)
-    return failures(Case(case.protocol + f"deliberate_error: {mistake}\n").plan(), count)[0]
+    return failures(Case(case.protocol + f"deliberate_error: {error}\n").plan(), count)[0]
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_mistake_is_found(mistake: str) -> None:
-    assert found(mistake, 4) == 4
+@pytest.mark.parametrize("error", ERRORS)
+def test_a_deliberate_error_is_found(error: str) -> None:
+    assert found(error, 4) == 4
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_mistake_is_found_in_95_of_100_sessions(mistake: str) -> None:
-    assert found(mistake, 100) >= 95
+@pytest.mark.parametrize("error", ERRORS)
+def test_a_deliberate_error_is_found_in_95_of_100_sessions(error: str) -> None:
+    assert found(error, 100) >= 95
 
 
 def main(count: int, names: list[str]) -> None:

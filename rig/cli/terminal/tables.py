@@ -109,7 +109,7 @@ def print_report(console: Console, report: "Report") -> None:
     and the checks.
     """
     from analysis.report import report_sentences
-    from analysis.report.deliberate_errors import mistake_sentences
+    from analysis.report.deliberate_errors import deliberate_error_sentences
     from analysis.report.tables.fidelity import fidelity_sentences
     from analysis.text import counted
 
@@ -147,7 +147,7 @@ def print_report(console: Console, report: "Report") -> None:
     ideal = " (ideal waveform assumed in prescribed motion)" if report.waveform == "ideal" else ""
     tests = "no energy" if report_sentences.only_sweeps(report) else report.tests
     console.print(f"tests: {tests}; waveform: {report.waveform}{ideal}")
-    for sentence in (*mistake_sentences(report), *fidelity_sentences(report)):
+    for sentence in (*deliberate_error_sentences(report), *fidelity_sentences(report)):
         console.print()
         console.print(sentence, soft_wrap=True)
     for flag in report.flags:

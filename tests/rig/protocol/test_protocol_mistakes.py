@@ -64,7 +64,7 @@ def line(text: str, **changes: list[str]) -> str:
         ),
         (
             "fidelity: auto\ndeliberate_error: {cycles: 3.5}",
-            ["deliberate_error.cycles: found a mistake in the cycles"],
+            ["deliberate_error.cycles: found a deliberate error in the cycles"],
         ),
         ("sceen: {}", ["protocol:3: sceen: found the key 'sceen'", "did you mean 'scene'?"]),
         (
@@ -144,7 +144,7 @@ def line(text: str, **changes: list[str]) -> str:
         ("drive: {mode: shaker}\nfidelity: auto", ["the drive shaker with fidelity auto"]),
         (
             "drive: {mode: shaker}\ndeliberate_error: {coil: true}",
-            ["the mistake coil in shaker-coupled drive"],
+            ["the deliberate error coil in shaker-coupled drive"],
         ),
         (
             "drive: {mode: shaker}\nacquire: {ranges: {force: auto}}",

@@ -180,7 +180,7 @@ def claims(draw: st.DrawFn) -> Expect:
     return Expect(**parts)
 
 
-mistakes = st.one_of(
+deliberate_errors = st.one_of(
     st.just(DeliberateError()),
     st.builds(DeliberateError, corners=sizes(-0.9, 10)),
     st.builds(DeliberateError, skew=st.integers(1, 1000)),
@@ -199,7 +199,7 @@ protocols = st.builds(
     repeats=st.builds(Repeats, st.integers(1, 100), st.booleans()),
     seed=st.integers(0, 2**63 - 1),
     expect=st.lists(claims(), max_size=3).map(tuple),
-    deliberate_error=mistakes,
+    deliberate_error=deliberate_errors,
 )
 found_by_auto = ("scene.layers.rows", "acquire.record")
 with_tolerance = st.builds(

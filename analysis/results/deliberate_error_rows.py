@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-__all__ = ["MistakeReport", "MistakeRow"]
+__all__ = ["DeliberateErrorReport", "DeliberateErrorRow"]
 
 
 @dataclass(frozen=True, slots=True)
-class MistakeRow:
+class DeliberateErrorRow:
     """The effect of a deliberate error on one condition; energies in J per cycle.
 
     W_true : the ledger's, over the same cycles; the bed's alone where friction was read as the
@@ -26,7 +26,7 @@ class MistakeRow:
 
 
 @dataclass(frozen=True, slots=True)
-class MistakeReport:
+class DeliberateErrorReport:
     """The report's `deliberate_error`: the error that was made on purpose, and its effect on each
     condition.
     """
@@ -36,4 +36,4 @@ class MistakeReport:
     what: str
     rule: str
     notice: str
-    conditions: tuple[MistakeRow, ...]
+    conditions: tuple[DeliberateErrorRow, ...]
