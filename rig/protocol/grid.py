@@ -1,5 +1,5 @@
-"""From a protocol to its conditions: the grid, every value resolved, and what only values together
-can get wrong.
+"""The conditions of a protocol: every point of its grid, resolved and checked for fields that do
+not fit together.
 """
 
 from __future__ import annotations
@@ -38,12 +38,14 @@ CHECKED = (
 )
 
 Row = Mapping[str, int]
-"""Path -> the row of its axis that a condition takes."""
+"""Path -> index of its value on its axis, at one point of the grid."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point of the grid: its row on each axis and the three parts of the experiment there."""
+    """One point of the grid: the index of each path's value, and the three parts of the experiment
+    with these values.
+    """
 
     rows: Row
     scene: Scene
@@ -52,15 +54,20 @@ class Point:
 
 
 def conditions(protocol: Protocol) -> tuple[Condition, ...]:
-    """Return every condition of the grid, resolved. Raises InputError with every value out of
-    range, or all that does not fit."""
+    """Return every condition of the grid, resolved.
+
+    Raises InputError with every value out of range or, where there is none, with every combination
+    of values that cannot be run.
+    """
     verify(protocol)
     return expand(protocol)
 
 
 def verify(protocol: Protocol) -> None:
-    """Check a protocol that was built in Python: InputError for every value that a file could not
-    hold.
+    """Check a protocol that was built in Python.
+
+    Each part is written as plain data and read by the shape that reads a file. Raises InputError
+    with every value that a file could not hold.
     """
     whole = keys_of(Protocol).every()
     written: dict[str, tuple[Shape, Any]] = {
@@ -82,10 +89,13 @@ def expand(
     place: Callable[[str, Row], str] = lambda _path, _rows: "",
     failed: frozenset[str] = frozenset(),
 ) -> tuple[Condition, ...]:
-    """Every condition of the grid, the last axis fastest, densities resolved.
+    """Return every condition of the grid, the last axis fastest, densities resolved.
 
-    `place` says where the value of a path was written; a check that involves a `failed` path is
-    left out, because that path's value is not the user's. Raises InputError with every mistake.
+    Raises InputError with every mistake.
+
+    place : returns where the value of a path was written
+    failed : paths whose value could not be read. They hold defaults, not the user's values, so that
+        checks that involve them are left out.
     """
     runs = math.prod(len(axis.rows) for axis in protocol.vary) * protocol.repeats.n
     if runs > MAX_RUNS:
@@ -136,6 +146,7 @@ def expand(
 
 
 def _points(protocol: Protocol) -> Iterator[Point]:
+    """Yield every point of the grid, the last axis fastest."""
     for chosen in itertools.product(*(range(len(axis.rows)) for axis in protocol.vary)):
         parts: dict[str, Any] = {
             "scene": protocol.scene,
@@ -152,8 +163,8 @@ def _points(protocol: Protocol) -> Iterator[Point]:
 
 
 def _with(part: Any, path: str, value: Any) -> Any:
-    """A frozen dataclass with the value at a dotted path replaced; the whole of it for an empty
-    path.
+    """Return a frozen dataclass with the value at a dotted path replaced; an empty path replaces
+    the whole.
     """
     if not path:
         return value
@@ -162,6 +173,11 @@ def _with(part: Any, path: str, value: Any) -> Any:
 
 
 def _with_density(scene: Scene, known: dict[str, Material | None]) -> Scene:
+    """Return the scene with its material's density from the catalog where it states none.
+
+    `known` keeps the materials looked up so far; an unknown one is None and leaves the scene as it
+    is, because its name is reported elsewhere.
+    """
     if scene.grains.density is not None:
         return scene
     name = scene.grains.material
@@ -180,8 +196,10 @@ def _with_density(scene: Scene, known: dict[str, Material | None]) -> Scene:
 def _repeated(
     point: Point, first: Point, protocol: Protocol, place: Callable[[str, Row], str]
 ) -> Mistake:
-    """The mistake of two equal conditions, placed at a value in which the second differs from the
-    first.
+    """Return the mistake of two equal conditions.
+
+    Its place is that of the first value with another index on its axis: one content may be written
+    in two ways, such as 1 and 100 %.
     """
     for axis in protocol.vary:
         path = axis.paths[0]

@@ -22,8 +22,7 @@ from rig.documents.yaml_reader import read_yaml
 from rig.errors import InputError
 from rig.protocol.claims import KINDS
 from rig.protocol.grid import expand
-from rig.protocol.json_schema import protocol_schema
-from rig.protocol.load import dump_protocol, load_protocol, protocol_template
+from rig.protocol.load import dump_protocol, load_protocol, protocol_schema, protocol_template
 from rig.protocol.spec import Protocol, Scene
 
 ROOT = Path(__file__).parents[3]
