@@ -9,7 +9,7 @@ from dataclasses import is_dataclass
 from functools import reduce
 from typing import Any
 
-from daq.documents.grammar import shape_at
+from daq.documents.classes import shape_at
 from rig.protocol.claims import LISTS
 from rig.protocol.spec import Condition, Expect, Protocol
 from rig.units import UNITS, Quantity

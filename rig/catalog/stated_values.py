@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Anything, Keys, List, Shape, Text
 from rig.catalog.entries import STATUSES, CatalogValue

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from daq.documents.grammar import keys_of, paths_of
+from daq.documents.classes import keys_of, paths_of
 from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import List, Shape, Then, one_of

@@ -22,7 +22,7 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from daq.documents.grammar import paths_of, shape_at
+from daq.documents.classes import paths_of, shape_at
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Anything, Each, Keys, List, OneOf, Shape, Text, Then
 from rig.protocol.spec import Expect, Protocol

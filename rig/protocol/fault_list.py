@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import List, Then, plain
 from rig.errors import Mistake

@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.documents.notes import Notes, Unreadable, node_of
 from daq.documents.shapes import Shape, plain
 from rig.errors import InputError, Mistake, in_order

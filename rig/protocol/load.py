@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from daq.documents.grammar import keys_of, paths_of
+from daq.documents.classes import keys_of, paths_of
 from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Keys, Shape, Text, Then, one_of, plain

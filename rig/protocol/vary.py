@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from daq.documents.grammar import paths_of, shape_at
+from daq.documents.classes import paths_of, shape_at
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import Keys, List, Then, plain
 from rig.protocol.spec import Protocol, Vary

@@ -15,7 +15,7 @@ from test_protocol_mistakes import LEAST, test_one_mistake
 from typer.testing import CliRunner
 
 from analysis.report.json_schema import REPORT, report_schema
-from daq.documents.grammar import paths_of
+from daq.documents.classes import paths_of
 from daq.documents.shapes import deviations
 from rig.cli.app import app
 from rig.documents.yaml_reader import read_yaml
