@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -160,6 +160,8 @@ class Notes:
     places : path -> where it was written
     known : every path of the document's grammar, to suggest the right place of a misplaced key
     renamed : old name -> new name
+    meaning : returns what a name stands for that is defined beside the document; None where
+        names stand for themselves
     """
 
     mistakes: list[Mistake] = field(default_factory=list)
@@ -167,6 +169,7 @@ class Notes:
     places: dict[str, str] = field(default_factory=dict)
     known: tuple[str, ...] = ()
     renamed: Mapping[str, str] = field(default_factory=dict)
+    meaning: Callable[[str], Any] | None = None
 
     def near(self, word: str, choices: Iterable[str]) -> str:
         """Return the hint for a word that is not among the choices: its new name, or the most

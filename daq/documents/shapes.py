@@ -403,7 +403,9 @@ class Either:
         Where both fail, the mistakes of one are reported: of the second if the value is a mapping
         and so is the shape, or if the first is null; of the first otherwise.
         """
-        first, second = (Notes(known=notes.known, renamed=notes.renamed) for _ in range(2))
+        first, second = (
+            Notes(known=notes.known, renamed=notes.renamed, meaning=notes.meaning) for _ in range(2)
+        )
         value = _tried(self.first, node, path, first)
         found = first
         if first.mistakes:

@@ -15,6 +15,8 @@ Fraction = Annotated[float, Quantity("number", 0.0, 1.0)]
 Friction = Annotated[float, Quantity("number", 0.0, 10.0)]
 Density = Annotated[float, Quantity("density", 0.0, 30000.0, above=True)]
 Stiffness = Annotated[float, Quantity("stiffness", 0.0, 1e12, above=True)]
+OwnFraction = Annotated[float | None, Quantity("number", 0.0, 1.0)]
+OwnFriction = Annotated[float | None, Quantity("number", 0.0, 10.0)]
 
 
 RANGES = {"force": 10.0, "acceleration": 1.0, "current": 10.0, "voltage": 10.0}
@@ -36,13 +38,25 @@ class CatalogValue:
 
 @dataclass(frozen=True)
 class Material:
-    """A grain material: density kg/m^3, Young's modulus Pa, Poisson ratio."""
+    """A material of grains or of the box: density kg/m^3, Young's modulus Pa, Poisson ratio.
+
+    Contacts of its grains with each other and with the wall: coefficients of restitution and of
+    friction, None where the rig's hold. `values` lists each number's origin.
+    """
 
     name: str
     label: str
     density: Density
     youngs_modulus: Annotated[float, Quantity("pressure", 0.0, 2e12, above=True)]
     poisson_ratio: Annotated[float, Quantity("number", 0.0, 0.5)]
+    restitution_grains: OwnFraction = None
+    restitution_wall: OwnFraction = None
+    grain_friction: OwnFriction = None
+    wall_friction: OwnFriction = None
+    values: tuple[CatalogValue, ...] = ()
+
+    def __str__(self) -> str:
+        return self.name
 
 
 @dataclass(frozen=True)

@@ -79,10 +79,11 @@ def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
     scene, drive = condition.scene, condition.drive
     return {
         "id": condition.id,
-        "material": scene.grains.material,
+        "material": str(scene.grains.material),
         "density": scene.grains.density,
         "diameter": scene.grains.diameter,
         "fill": scene.grains.fill,
+        **({} if scene.cavity.material is None else {"wall_material": str(scene.cavity.material)}),
         "bed": scene.bed,
         "axis": scene.axis,
         "drive": drive.mode,

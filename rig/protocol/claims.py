@@ -25,6 +25,7 @@ from typing import Any
 from daq.documents.classes import paths_of, shape_at
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Anything, Each, Keys, List, OneOf, Shape, Text, Then
+from rig.catalog.entries import Material
 from rig.protocol.spec import Expect, Protocol
 from rig.protocol.vary import PARTS, plain_values
 from rig.units import Quantity
@@ -163,5 +164,7 @@ def _values(path: str, node: Node, where: str, notes: Notes, *, listed: bool) ->
         notes.reject(node.where, where, "an empty list", "one or more values")
     elif shape is not None:
         with suppress(Unreadable):
-            return List(shape).read(many, where, notes)
+            found = List(shape).read(many, where, notes)
+            # A claim speaks of a material by its name; its values stand in the scene.
+            return tuple(str(one) if isinstance(one, Material) else one for one in found)
     return ()

@@ -116,6 +116,7 @@ def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
     sensors = acquire.sensors
     for path, name, known in (
         ("scene.grains.material", scene.grains.material, names("material")),
+        ("scene.cavity.material", scene.cavity.material, names("material")),
         ("acquire.analyzer", acquire.analyzer, (*names("analyzer"), IDEAL)),
         ("acquire.sensors.force", sensors.force, (*sensors_for("force"), IDEAL)),
         (
@@ -126,7 +127,7 @@ def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
         ("acquire.sensors.current", sensors.current, (*sensors_for("current"), IDEAL)),
         ("acquire.sensors.voltage", sensors.voltage, (*sensors_for("voltage"), IDEAL)),
     ):
-        if name not in known:
+        if isinstance(name, str) and name not in known:
             yield Conflict((path,), quote(name), ", ".join(known), nearest(name, known))
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from daq.documents.classes import keys_of
 from daq.documents.notes import Notes, Unreadable, node_of
 from daq.documents.shapes import Shape, plain
-from rig.errors import InputError, Mistake, in_order
+from rig.errors import InputError, Mistake, in_order, quote
 from rig.protocol.claims import expect_shape, plain_expect
 from rig.protocol.fault_list import faults_shape, plain_faults
 from rig.protocol.feasibility import conflicts, misfits, unfit
@@ -111,6 +111,7 @@ def expand(
     seen: dict[tuple[Scene, Drive, Acquire], Point] = {}
     points = []
     materials: dict[str, Material | None] = {}
+    named: dict[str, str | Material] = {}
     for point in _points(protocol):
         found = conflicts(point.scene, point.drive, point.acquire)
         for conflict in (
@@ -124,7 +125,11 @@ def expand(
                         where, conflict.paths[0], conflict.found, conflict.allowed, conflict.hint
                     )
                 ] = None
-        point = replace(point, scene=_with_density(point.scene, materials))
+        for path, name in _namesakes(point.scene, named):
+            said = f"another material named {quote(name)}"
+            where = place(path, point.rows)
+            mistakes[Mistake(where, path, said, "one material for each name")] = None
+        point = replace(point, scene=_with_densities(point.scene, materials))
         content = (point.scene, point.drive, point.acquire)
         if content in seen and not failed:
             mistakes[_repeated(point, seen[content], protocol, place)] = None
@@ -172,25 +177,42 @@ def _with(part: Any, path: str, value: Any) -> Any:
     return replace(part, **{name: _with(getattr(part, name), rest, value)})
 
 
-def _with_density(scene: Scene, known: dict[str, Material | None]) -> Scene:
-    """Return the scene with its material's density from the catalog where it states none.
+def _with_densities(scene: Scene, known: dict[str, Material | None]) -> Scene:
+    """Return the scene with the densities of its materials where it states none.
 
-    `known` keeps the materials looked up so far; an unknown one is None and leaves the scene as it
-    is, because its name is reported elsewhere.
+    A box whose material is the rig's has none. `known` keeps the materials looked up so far; an
+    unknown one is None and leaves the scene as it is, because its name is reported elsewhere.
     """
-    if scene.grains.density is not None:
-        return scene
-    name = scene.grains.material
-    if name not in known:
+    changed: dict[str, Any] = {}
+    for name in ("grains", "cavity"):
+        part = getattr(scene, name)
+        found = _looked_up(part.material, known) if part.density is None else None
+        if found is not None:
+            changed[name] = replace(part, density=found.density)
+    return replace(scene, **changed) if changed else scene
+
+
+def _namesakes(scene: Scene, named: dict[str, str | Material]) -> Iterator[tuple[str, str]]:
+    """Yield path and name of each material whose name another one has already; `named` keeps the
+    materials seen so far.
+    """
+    for path, found in (
+        ("scene.grains.material", scene.grains.material),
+        ("scene.cavity.material", scene.cavity.material),
+    ):
+        if found is not None and named.setdefault(str(found), found) != found:
+            yield path, str(found)
+
+
+def _looked_up(named: str | Material | None, known: dict[str, Material | None]) -> Material | None:
+    """Return a scene's material, None for one that is not in the catalog."""
+    if not isinstance(named, str):
+        return named
+    if named not in known:
         from rig.catalog.entries_by_name import material, names
 
-        known[name] = material(name) if name in names("material") else None
-    found = known[name]
-    return (
-        scene
-        if found is None
-        else replace(scene, grains=replace(scene.grains, density=found.density))
-    )
+        known[named] = material(named) if named in names("material") else None
+    return known[named]
 
 
 def _repeated(

@@ -18,6 +18,7 @@ from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Keys, Shape, Text, Then, one_of, plain
 from rig.catalog.entries_by_name import HERE
+from rig.catalog.own_materials import OwnMaterials
 from rig.catalog.rig_file import is_path, rig_path
 from rig.documents.former_names import FORMER_NAMES
 from rig.documents.yaml_reader import read_file, read_yaml
@@ -83,10 +84,13 @@ def read_protocol(
         if isinstance(source, str) and not os.path.lexists(path) and "\0" not in source:
             raise _no_file(source)
         text, name = read_file(path), str(path)
-    notes = Notes(known=tuple(paths_of(Protocol)), renamed=FORMER_NAMES)
+    beside = path.parent if path is not None else Path()
+    notes = Notes(
+        known=tuple(paths_of(Protocol)), renamed=FORMER_NAMES, meaning=OwnMaterials(beside)
+    )
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
     # A rig file is looked for beside the protocol; one from the command line, where one works.
-    folder = path.parent if path is not None and rig is None else Path()
+    folder = beside if rig is None else Path()
     return LoadedProtocol(_read(root, folder, notes), text, path)
 
 

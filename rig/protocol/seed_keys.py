@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from operator import attrgetter
 from typing import Any
 
+from rig.catalog.entries import Material
 from rig.protocol.spec import Drive, Scene
 
 SCENE: Mapping[str, str] = {
@@ -40,6 +41,8 @@ SCENE: Mapping[str, str] = {
 LATER: Mapping[str, tuple[str, Any]] = {
     "slug.start": ("single_mass.start", 0.0),
     "slug.velocity": ("single_mass.velocity", 0.0),
+    "cavity.material": ("cavity.material", None),
+    "cavity.density": ("cavity.density", None),
 }
 """The same for fields added after the first seeds, with the value that describes the behaviour
 before the field existed. A field with that value is left out of the hash, so that a new field
@@ -75,7 +78,11 @@ def seed_key(scene: Scene, drive: Drive) -> str:
 
 
 def _as_float(value: Any) -> Any:
-    """Return a number as a float, so that 1 and 1.0 give one seed; anything else as it is."""
+    """Return a number as a float, so that 1 and 1.0 give one seed; a material's name, so that its
+    elastic constants change no bed; anything else as it is.
+    """
+    if isinstance(value, Material):
+        return value.name
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     return float(value) + 0.0  # -0.0 + 0.0 is 0.0: one seed for both zeros

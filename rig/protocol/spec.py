@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from daq.documents.shapes import one_of, some_of
+from rig.catalog.entries import Material
+from rig.catalog.stated_values import MATERIAL
 from rig.protocol.deliberate_errors import NO_DELIBERATE_ERROR, DeliberateError
 from rig.protocol.faults import Fault
 from rig.units import Quantity
@@ -41,29 +43,34 @@ Approach = Literal["below", "above"]
 Coupled = Literal["DC", "AC", "IEPE"]
 Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
 Fidelity = Literal["as_written", "auto"]
+Density = Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)]
 
 
 @dataclass(frozen=True)
 class Cavity:
     """Inner dimensions of the box and its wall thickness, m. `length` lies along the drive axis
-    where that is horizontal.
+    where that is horizontal. Material of the walls: a name or one's own values; null is that of the
+    rig, whose `wall_density` is carbon steel's. `density` in kg/m^3 replaces the material's.
     """
 
     length: Size = 0.15
     width: Size = 0.15
     height: Size = 0.4
     wall: Small = 0.005
+    material: Annotated[str | Material | None, MATERIAL] = None
+    density: Density = None
 
 
 @dataclass(frozen=True)
 class Grains:
-    """Balls: catalog material, diameter in m, fill as a fraction of the cavity's volume. `density`
-    in kg/m^3 replaces the catalog's; null takes the catalog's when the conditions are built."""
+    """Balls: material, a name or one's own values; diameter in m, fill as a fraction of the
+    cavity's volume. `density` in kg/m^3 replaces the material's; null takes the material's when the
+    conditions are built."""
 
-    material: str = "stainless"
+    material: Annotated[str | Material, MATERIAL] = "stainless"
     diameter: Small = 0.004
     fill: Fraction = 0.85
-    density: Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)] = None
+    density: Density = None
 
 
 @dataclass(frozen=True)

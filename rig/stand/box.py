@@ -8,11 +8,14 @@ from rig.protocol.spec import Cavity, Scene
 def box_mass(cavity: Cavity, wall_density: float) -> float:
     """Return the mass of the closed box, kg: the wall lies outside the cavity on all six sides
     (rigid).
+
+    wall_density : of a box that states neither density nor material, kg/m^3
     """
     inner = cavity.length * cavity.width * cavity.height
     thick = 2.0 * cavity.wall
     outer = (cavity.length + thick) * (cavity.width + thick) * (cavity.height + thick)
-    return wall_density * (outer - inner)
+    density = wall_density if cavity.density is None else cavity.density
+    return density * (outer - inner)
 
 
 def losses_of(scene: Scene, rig: Rig, mass: float, gas: float = 0.0) -> Losses:
