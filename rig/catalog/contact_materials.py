@@ -13,6 +13,12 @@ WALL = "steel"
 
 
 ELASTIC = ("density", "youngs_modulus", "poisson_ratio")
+_PAIRS = {
+    "between_grains": ("restitution_grains", "grain_friction"),
+    "at_wall": ("restitution_wall", "wall_friction"),
+}
+CONTACTS = tuple(name for pair in _PAIRS.values() for name in pair)
+"""Numbers of a material: by itself, and in contact."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +65,9 @@ def contact_materials(scene: Scene, rig: Rig) -> ContactMaterials:
     own = _with_density(grains.values, scene.grains.density)
     box = _with_density(wall.values, scene.cavity.density)
     given = {value.path: value for value in (*rig.values, *own)}
-    contacts = {
-        "between_grains": ("restitution_grains", "grain_friction"),
-        "at_wall": ("restitution_wall", "wall_friction"),
-    }
 
     def pair(place: str) -> PairOfSurfaces:
-        restitution, friction = (_coefficient(grains, rig, name) for name in contacts[place])
+        restitution, friction = (_coefficient(grains, rig, name) for name in _PAIRS[place])
         return PairOfSurfaces(restitution, friction)
 
     origins = [
@@ -73,7 +75,7 @@ def contact_materials(scene: Scene, rig: Rig) -> ContactMaterials:
         *(replace(value, path=f"wall.{value.path}") for value in box if value.path in ELASTIC),
         *(
             replace(given[name], path=f"{place}.{word}")
-            for place, names in contacts.items()
+            for place, names in _PAIRS.items()
             for word, name in zip(("restitution", "friction"), names, strict=True)
             if name in given
         ),

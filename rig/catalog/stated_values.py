@@ -171,7 +171,7 @@ class MaterialShape:
         return replace(self, null=null)
 
     def __str__(self) -> str:
-        keys = ", ".join(_WRITTEN.every())
+        keys = ", ".join(_WRITTEN.optional)
         return f"the name of a material, or a mapping with density and any of {keys}"
 
     def read(self, node: Any, path: str, notes: Notes) -> Material | str | None:
