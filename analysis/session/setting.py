@@ -55,8 +55,8 @@ class GasDrag:
 
 
 @dataclass(frozen=True, slots=True)
-class FirstPrinciples:
-    """Coefficients of the losses `noise` and `air` over what sound and drag of the box make them."""
+class NoiseAndAir:
+    """A number for each of the losses `noise` and `air`."""
 
     noise: Annotated[float, Number(0.0)]
     air: Annotated[float, Number(0.0)]
@@ -71,7 +71,9 @@ class Setting:
     (analysis.results.deliberate_errors); sweep_to: Hz, of a record that sweeps there from
     `frequency`; gauge, accelerometer: the end of the stinger that they are fixed to, None where
     nobody says; losses, support: of the stand, "" where nobody says; varied: what else the protocol
-    varied, in words by name.
+    varied, in words by name. over_first_principles: coefficients of the losses `noise` and `air`
+    over sound and drag of the box; loss_coefficients: the coefficients, N s/m and N s^2/m^2, where
+    the rig file leaves them to first principles.
     """
 
     id: str
@@ -98,7 +100,8 @@ class Setting:
     losses: tuple[str, ...] = ()
     support: str = ""
     gas: GasDrag | None = None
-    over_first_principles: Annotated[FirstPrinciples | None, LEFT_OUT] = None
+    over_first_principles: Annotated[NoiseAndAir | None, LEFT_OUT] = None
+    loss_coefficients: Annotated[NoiseAndAir | None, LEFT_OUT] = None
     varied: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod

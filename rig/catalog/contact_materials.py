@@ -124,7 +124,7 @@ def _with_density(
 ) -> tuple[CatalogValue, ...]:
     """Return the values with the density that a scene states, where it is another."""
     return tuple(
-        replace(value, value=density, status="assumed", source="given in the protocol")
+        replace(value, value=density, status="assumed", source="given with the scene")
         if value.path == "density" and density not in (None, value.value)
         else value
         for value in values

@@ -98,7 +98,8 @@ class Rig:
 
     wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume
     fractions of the shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity
-    m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the
+    m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2), None for
+    the sound that the box radiates and the drag of the air on it by first principles; the
     mount: friction of guides, natural frequency in Hz and loss factor of cords; relative level
     error and third harmonic of the waveform; relative scatter per refill of the packing and of the
     clearance; analyzer range of each channel in V (keys of `RANGES`); `provenance` of the losses as
@@ -117,8 +118,8 @@ class Rig:
     wall_density: Density = 7850.0
     gauge_mass: Annotated[float, Quantity("mass", 0.0, 100.0)] = 0.02
     gravity: Annotated[float, Quantity("acceleration", 0.0, 1000.0)] = GRAVITY
-    loss_noise: Annotated[float, Quantity("damping", 0.0, 1e9)] = 0.0
-    loss_air: Annotated[float, Quantity("quadratic damping", 0.0, 1e9)] = 0.0
+    loss_noise: Annotated[float | None, Quantity("damping", 0.0, 1e9, null=True)] = None
+    loss_air: Annotated[float | None, Quantity("quadratic damping", 0.0, 1e9, null=True)] = None
     guide_friction: Friction = 0.006
     cord_frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 2.0
     cord_loss_factor: Friction = 0.1

@@ -215,5 +215,5 @@ class MaterialShape:
         return {"anyOf": forms + ([{"type": "null"}] if self.null else [])}
 
 
-_WRITTEN = own_values("given in the protocol", named=True)
+_WRITTEN = own_values("given with the scene", named=True)
 MATERIAL = MaterialShape()

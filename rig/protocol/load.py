@@ -9,7 +9,8 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
+from operator import attrgetter, getitem
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,11 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
 _NAMING = (
     "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
 )
+YOUNGER = ("scene.cavity.material", "scene.cavity.density")
+"""Fields that came after sessions and reports had been written: left out where they have their
+defaults, so that old sessions can be resumed and old reports keep their bytes.
+"""
+_DEFAULTS = Protocol(name="")
 
 
 @dataclass(frozen=True)
@@ -106,14 +112,18 @@ def _no_file(source: str) -> InputError:
 def dump_protocol(protocol: Protocol) -> str:
     """Return the YAML text of a protocol, every field written out.
 
-    `load_protocol` reads it back to an equal protocol. `fidelity`, `tolerance` and
-    `deliberate_error` are left out where they have their defaults.
+    `load_protocol` reads it back to an equal protocol. `fidelity`, `tolerance`, `deliberate_error`
+    and the fields of `YOUNGER` are left out where they have their defaults.
     """
     data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
     data["question"] = protocol.question
     data |= {
         name: plain(keys_of(Protocol).every()[name], getattr(protocol, name)) for name in PARTS
     }
+    for path in YOUNGER:
+        *groups, name = path.split(".")
+        if attrgetter(path)(protocol) == attrgetter(path)(_DEFAULTS):
+            del reduce(getitem, groups, data)[name]
     data["vary"] = plain_axes(protocol.vary)
     data["repeats"] = plain(keys_of(Repeats), protocol.repeats)
     data |= {

@@ -291,7 +291,7 @@ class Protocol:
 
     name: str
     schema: str = SCHEMA
-    rig: str = "paper"
+    rig: str = "clean"
     question: str = ""
     scene: Scene = Scene()
     drive: Drive = Drive()

@@ -15,6 +15,7 @@ from rig.drive.losses import (
     Losses,
     by_order,
     friction_energy,
+    loss_coefficients,
     mean_cord_force,
     mean_force,
     mean_sign,
@@ -162,7 +163,7 @@ def test_the_mount_takes_its_closed_form_of_the_moving_mass(
 def test_the_mount_is_off_unless_listed_and_supported(
     rig: Rig, steel: Scene, losses: tuple[str, ...], support: str
 ) -> None:
-    found = losses_of(replace(steel, losses=losses, support=support), rig, 50.0)
+    found = losses_of(replace(steel, losses=losses, support=support), rig, 50.0, 20.0)
     assert found.guide == found.cords == 0.0
 
 
@@ -265,7 +266,7 @@ def test_the_shipped_losses_are_told_beside_first_principles() -> None:
     """
     rig, cavity = load_rig("paper"), Scene().cavity
     at_20, at_40 = (
-        over_first_principles(rig.loss_noise, rig.loss_air, cavity, f) for f in (20.0, 40.0)
+        over_first_principles(loss_coefficients(rig, cavity, f), cavity, f) for f in (20.0, 40.0)
     )
     assert at_20["noise"] == pytest.approx(16.0 * at_40["noise"], rel=1e-12)
     assert at_20["air"] == at_40["air"]
