@@ -15,19 +15,20 @@ from analysis.results.condition import Result
 from analysis.results.session_rows import CauseRow, Growth, Span
 from analysis.session.protocol import RigValue
 from analysis.session.record import ChannelFacts
-from analysis.session.setting import Setting
+from analysis.session.setting import NoiseAndAir, Setting
 from analysis.uncertainty.budget import angle_uncertainty, certificate_lines
 
 __all__ = ["causes"]
 
 NEEDED = (
-    "loss_noise",
-    "loss_air",
     "guide_friction",
     "gravity",
     "cord_frequency",
     "cord_loss_factor",
 )
+LOSSES = ("loss_noise", "loss_air")
+"""Coefficients that a rig file may leave to first principles; the conditions then have them."""
+NO_LOSSES = NoiseAndAir(0.0, 0.0)
 SCALES = {"force sensitivity", "acceleration sensitivity", "force gain", "acceleration gain"}
 
 
@@ -39,6 +40,7 @@ class OperatingPoint:
     M_eff : apparent mass, kg
     W, W_T : measured and predicted energy, J per cycle
     n : exponent dlnW_T/dlna
+    losses : coefficients of the box's losses, N s/m and N s^2/m^2
     kind : bed, material, density and diameter: equal in conditions that differ only in fill and
         level
     level : frequency (Hz) and acceleration that was set (m/s^2)
@@ -54,6 +56,7 @@ class OperatingPoint:
     fill: float = 0.0
     kind: tuple[Any, ...] = ()
     level: tuple[float, float] = (0.0, 0.0)
+    losses: NoiseAndAir = NO_LOSSES
 
     @property
     def omega(self) -> float:
@@ -103,11 +106,12 @@ def causes(
     rig = {
         value.path: value.value
         for value in assumed
-        if value.path in NEEDED and isinstance(value.value, float | int)
+        if value.path in (*NEEDED, *LOSSES) and isinstance(value.value, float | int)
     }
-    if not results or len(rig) < len(NEEDED):
+    known = all(name in rig for name in LOSSES) or all(r.setting.loss_coefficients for r in results)
+    if not results or not known or any(name not in rig for name in NEEDED):
         return ()
-    points = {result.setting.id: _point(result) for result in results}
+    points = {result.setting.id: _point(result, rig) for result in results}
     rows = [
         _row(
             Cause("measured excess", "W_exp - W_T", "What has to be explained.", None),
@@ -169,7 +173,7 @@ def _candidates(
             "pi c w X^2",
             "Grows as a squared and knows no mass: the empty box keeps all of it, and it "
             "weighs most where the bed takes least.",
-            lambda p: math.pi * rig["loss_noise"] * p.omega * p.X**2,
+            lambda p: math.pi * p.losses.noise * p.omega * p.X**2,
             "W_noise",
             "noise",
         ),
@@ -177,7 +181,7 @@ def _candidates(
             "air",
             "8/3 k w^2 X^3",
             "Grows as a cubed and knows no mass: the empty box keeps all of it.",
-            lambda p: 8 / 3 * rig["loss_air"] * p.omega**2 * p.X**3,
+            lambda p: 8 / 3 * p.losses.air * p.omega**2 * p.X**3,
             "W_air",
             "air",
         ),
@@ -225,9 +229,10 @@ def _candidates(
     )
 
 
-def _point(result: Result) -> OperatingPoint:
+def _point(result: Result, rig: Mapping[str, float | int]) -> OperatingPoint:
     """Return the operating point of a condition, from means over its runs."""
     s = result.setting
+    losses = s.loss_coefficients or NoiseAndAir(*(float(rig[name]) for name in LOSSES))
     M = s.box_mass + s.gauge_mass + s.bed_mass
     W_T = result.W_T.value if result.W_T else 0.0
     exponent = result.predicted.exponent or 0.0
@@ -242,6 +247,7 @@ def _point(result: Result) -> OperatingPoint:
         s.fill or 0.0,
         (s.bed, s.material, s.density, s.diameter),
         (s.frequency, s.acceleration_set),
+        losses,
     )
 
 

@@ -59,10 +59,8 @@ class GasDrag:
 
 
 @dataclass(frozen=True, slots=True)
-class FirstPrinciples:
-    """Coefficients of the losses `noise` and `air` over their values by first principles (sound
-    radiation and drag of the box).
-    """
+class NoiseAndAir:
+    """A number for each of the losses `noise` and `air`."""
 
     noise: Annotated[float, Number(0.0)]
     air: Annotated[float, Number(0.0)]
@@ -79,6 +77,10 @@ class Setting:
     gauge, accelerometer : end of the stinger to which they are fixed; None where it is not stated
     losses, support : of the stand; "" where not stated
     varied : other settings that the protocol varied, in words by name
+    over_first_principles : coefficients of the losses `noise` and `air` over sound and drag of the
+        box
+    loss_coefficients : the coefficients, N s/m and N s^2/m^2, where the rig file leaves them to
+        first principles
     """
 
     id: str
@@ -105,7 +107,8 @@ class Setting:
     losses: tuple[str, ...] = ()
     support: str = ""
     gas: GasDrag | None = None
-    over_first_principles: Annotated[FirstPrinciples | None, LEFT_OUT] = None
+    over_first_principles: Annotated[NoiseAndAir | None, LEFT_OUT] = None
+    loss_coefficients: Annotated[NoiseAndAir | None, LEFT_OUT] = None
     varied: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod

@@ -1,4 +1,4 @@
-"""The fields of a document as a table in Markdown, from the shapes that read it."""
+"""Write the fields of a document as a Markdown table, from the shapes that read it."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ __all__ = ["field_table"]
 
 
 def field_table(shape: Shape) -> str:
-    """A row for every field: its path, what is allowed, its default."""
+    """Return the table, a row for every field: its path, the allowed values, its default."""
     rows = ["| field | allowed | default |", "|---|---|---|"]
     for path, part, default in _fields(shape, ""):
-        told = "" if default is MISSING else f"`{json.dumps(default, ensure_ascii=False)}`"
-        rows.append(f"| `{path}` | {str(part).replace('|', chr(92) + '|')} | {told} |")
+        written = "" if default is MISSING else f"`{json.dumps(default, ensure_ascii=False)}`"
+        allowed = str(part).replace("|", r"\|")
+        rows.append(f"| `{path}` | {allowed} | {written} |")
     return "\n".join(rows) + "\n"
 
 
 def _fields(shape: Shape, path: str) -> Iterator[tuple[str, Shape, Any]]:
-    """Path, shape and default of every field; those of a group or of a list's items come in its
-    place.
+    """Yield path, shape and default of every field; a group, or a list of groups, is replaced by
+    its fields.
     """
     inner = shape
     while isinstance(inner, Then | List):

@@ -1,8 +1,8 @@
-"""JSON Schema (draft 2020-12) of documents, so that editors and tools of others can check what our
-reader checks.
+"""JSON Schema (draft 2020-12) of documents, so that editors and other tools can check what our reader
+checks.
 
-A schema refuses nothing that the reader takes. Lists that must be equally long (`Keys.as_long`)
-have no word in it.
+A schema refuses nothing that the reader accepts. It cannot state that lists must be equally long
+(`Keys.as_long`).
 """
 
 from typing import Any
@@ -15,12 +15,12 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def json_schema(shape: Shape) -> dict[str, Any]:
-    """The schema of a shape, the classes in it under `$defs`."""
+    """Return the schema of a shape, the classes in it under `$defs`."""
     kinds: dict[str, dict[str, Any]] = {}
     found: dict[str, Any] = getattr(shape, "body", shape.schema)(kinds)
     return found | ({"$defs": kinds} if kinds else {})
 
 
 def document_schema(shape: Shape, title: str) -> dict[str, Any]:
-    """The schema of a whole document."""
+    """Return the schema of a whole document."""
     return {"$schema": DRAFT, "title": title, **json_schema(shape)}

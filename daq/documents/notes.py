@@ -1,12 +1,10 @@
-"""What a reader reads, plain data or values that know where they were written, and what it notes:
-mistakes.
-"""
+"""Values that know where they were written, and the mistakes that a reader notes in them."""
 
 from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,9 +23,10 @@ Scalar = str | int | float | bool | None
 class Mistake:
     """One mistake in what a user gave.
 
-    `where` is `file:line` or the command-line option, `field` the full path of the key (both may be
-    empty), `found` and `allowed` are phrases, `hint` a whole question or advice such as "did you
-    mean 'fill'?".
+    where : `file:line` or the command-line option, may be empty
+    field : full path of the key, may be empty
+    found, allowed : phrases
+    hint : a question or an advice, such as "did you mean 'fill'?"
     """
 
     where: str
@@ -41,7 +40,7 @@ class Mistake:
         return f"{place}found {self.found}; allowed: {self.allowed}{self._advice()}"
 
     def sentence(self) -> str:
-        """The mistake in a document that no user wrote, and that has no lines."""
+        """Return the message for a document of a program, whose values have no lines."""
         said = f"is {self.found}, expected {self.allowed}" if self.allowed else self.found
         return f"{self.field} {said}{self._advice()}"
 
@@ -50,29 +49,31 @@ class Mistake:
 
 
 def quote(value: object) -> str:
-    """A user's value for a message: shortened, control characters escaped."""
+    """Return a user's value for a message: shortened, control characters escaped."""
     text = repr(value)
     return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
 def nearest(word: str, choices: Iterable[str]) -> str:
-    """The hint "did you mean ...?" for a misspelt word, or "" where nothing is near."""
+    """Return the hint "did you mean ...?" for a misspelt word, "" if no choice is similar."""
     close = difflib.get_close_matches(word[:LONGEST_QUOTE], list(choices), n=1, cutoff=0.6)
     return f"did you mean {close[0]!r}?" if close else ""
 
 
 def new_name(word: str, choices: Iterable[str], renamed: Mapping[str, str]) -> str:
-    """The hint "renamed: write ..." for an old name, or a path with old names in it; "" for any
-    other word.
+    """Return the hint "renamed: write ..." for an old name, or a path with old names in it; "" for
+    any other word.
+
+    renamed : old name -> new name, after a blank with a note for the user
     """
-    told = [renamed.get(part, part).partition(" ") for part in word.split(".")]
-    now, note = ".".join(part[0] for part in told), "".join(part[2] for part in told)
+    parts = [renamed.get(part, part).partition(" ") for part in word.split(".")]
+    now, note = ".".join(part[0] for part in parts), "".join(part[2] for part in parts)
     more = f" {note}" if note else ""
     return f"renamed: write {now!r}{more}" if now != word and now in choices else ""
 
 
 def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
-    """Mistakes in the order of their lines, at most MOST_MISTAKES of them and one that counts the
+    """Return mistakes in the order of their lines: at most MOST_MISTAKES, and one that counts the
     rest.
     """
     ordered = sorted(mistakes, key=_line)
@@ -83,15 +84,21 @@ def in_order(mistakes: Iterable[Mistake]) -> list[Mistake]:
 
 
 def _line(mistake: Mistake) -> float:
+    """Return the line of a mistake, infinity for none."""
     number = mistake.where.rpartition(":")[2]
     return int(number) if number.isdecimal() else math.inf
 
 
 @dataclass(frozen=True)
 class Node:
-    """A value and its place. `value` is a scalar, a tuple of nodes or a dict of nodes; `text` a
-    scalar as written; `key_places` says where each key of a dict stands; `quoted` marks text
-    written in quotes."""
+    """A value and its place in a file.
+
+    where : `file:line`
+    value : a scalar, a tuple of nodes or a dict of nodes
+    text : a scalar as written
+    key_places : key of a dict -> where the key was written
+    quoted : whether the text was written in quotes
+    """
 
     where: str
     value: Scalar | tuple[Node, ...] | dict[str, Node]
@@ -100,7 +107,7 @@ class Node:
     quoted: bool = False
 
     def plain(self) -> Any:
-        """The value as nested dicts, lists and scalars."""
+        """Return the value as nested dicts, lists and scalars."""
         if isinstance(self.value, dict):
             return {key: node.plain() for key, node in self.value.items()}
         if isinstance(self.value, tuple):
@@ -109,7 +116,7 @@ class Node:
 
 
 def node_of(data: Any, where: str = "") -> Node:
-    """The tree of plain data, every place `where`."""
+    """Return the tree of plain data, every place `where`."""
     if isinstance(data, Mapping):
         entries = {key: node_of(part, where) for key, part in data.items()}
         return Node(where, entries, key_places=dict.fromkeys(entries, where))
@@ -119,17 +126,17 @@ def node_of(data: Any, where: str = "") -> Node:
 
 
 def bare(node: Any) -> Any:
-    """The value of a node; plain data are their own."""
+    """Return the value of a node; plain data as they are."""
     return node.value if type(node) is Node else node
 
 
 def where_of(node: Any) -> str:
-    """Where a node was written; "" for plain data."""
+    """Return where a node was written; "" for plain data."""
     return node.where if type(node) is Node else ""
 
 
 def describe(node: Any) -> str:
-    """What a node or a plain value holds, for a message."""
+    """Return a description of a node or a plain value, for a message."""
     value = bare(node)
     if isinstance(value, dict):
         return "a mapping"
@@ -141,49 +148,57 @@ def describe(node: Any) -> str:
 
 
 class Unreadable(Exception):
-    """A value that was noted as a mistake and has no meaning."""
+    """A value could not be read; its mistake is noted already."""
 
 
 @dataclass
 class Notes:
-    """What a reading leaves beside its result: the mistakes, the paths whose value failed, the
-    place of each path. `known` are all paths of the whole, so that a key in the wrong place can be
-    sent to the right one; `renamed` are the new names of old ones."""
+    """Notes taken while a document is read.
+
+    mistakes : all of them
+    failed : paths whose value could not be read
+    places : path -> where it was written
+    known : every path of the document's grammar, to suggest the right place of a misplaced key
+    renamed : old name -> new name
+    meaning : returns what a name stands for that is defined beside the document; None where
+        names stand for themselves
+    """
 
     mistakes: list[Mistake] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
     places: dict[str, str] = field(default_factory=dict)
     known: tuple[str, ...] = ()
     renamed: Mapping[str, str] = field(default_factory=dict)
+    meaning: Callable[[str], Any] | None = None
 
     def near(self, word: str, choices: Iterable[str]) -> str:
-        """The hint for a word that is not among the choices: what it is called now, or the nearest
-        of them.
+        """Return the hint for a word that is not among the choices: its new name, or the most
+        similar choice.
         """
         return new_name(word, choices, self.renamed) or nearest(word, choices)
 
     def reject(self, where: str, path: str, found: str, allowed: str, hint: str = "") -> Unreadable:
-        """Note a mistake; the caller raises what this returns where it cannot go on."""
+        """Note a mistake. Returns the exception to raise where the caller cannot continue."""
         self.mistakes.append(Mistake(where, path, found, allowed, hint))
         self.failed.add(path)
         return Unreadable(path)
 
     def refuse(self, node: Any, path: str, allowed: object, hint: str = "") -> Unreadable:
-        """As `reject`, for a value that is not what it should be."""
+        """Note that a value is not of the allowed kind. Returns the exception, as `reject` does."""
         return self.reject(where_of(node), path, describe(node), str(allowed), hint)
 
     def add(self, other: Notes) -> None:
-        """Add what another reading left."""
+        """Add the notes of another reading."""
         self.mistakes += other.mistakes
         self.failed |= other.failed
         self.places |= other.places
 
     def spoilt(self, path: str) -> bool:
-        """Whether a value inside the mapping at a path failed."""
+        """Return whether a value inside the mapping at a path could not be read."""
         return any(failed.startswith(f"{path}.") for failed in self.failed)
 
     def place_of(self, path: str) -> str:
-        """Where a path, or the nearest mapping around it, was written; "" for what nobody wrote."""
+        """Return where a path, or the innermost mapping around it, was written; "" for none."""
         while path not in self.places and "." in path:
             path = path.rpartition(".")[0]
         return self.places.get(path, self.places.get("", ""))

@@ -1,8 +1,8 @@
-"""Shapes of one value, and what a shape is: it reads a value strictly, and says itself as JSON
-Schema.
+"""The interface `Shape`, which reads a value strictly and returns itself as JSON Schema, and the
+shapes of single values.
 
-Every number is finite and below LARGEST in size, so that no arithmetic on a checked value can
-overflow.
+Every number is finite and at most LARGEST in magnitude, so that no arithmetic on a checked value
+can overflow.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
-from daq.documents.notes import Node, Notes, bare, describe, quote, where_of
+from daq.documents.notes import Node, Notes, bare, quote, where_of
 
 __all__ = ["LARGEST", "Anything", "Null", "Number", "Schema", "Shape", "Text", "YesNo"]
 
@@ -24,24 +24,29 @@ Schema = dict[str, Any]
 
 @runtime_checkable
 class Shape(Protocol):
-    """What a value must look like; str() says it in words."""
+    """The values that a document may have at one place; str() describes them in words."""
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
-        """The value of a node, or of plain data. Raises Unreadable after noting why it has none."""
+        """Return the value of a node or of plain data. Raises Unreadable after noting why not.
+
+        path : of the value, for messages
+        """
 
     def schema(self, kinds: dict[str, Schema]) -> Schema:
-        """The shape as JSON Schema (draft 2020-12); classes that it refers to are added to `kinds`."""
+        """Return the shape as JSON Schema (draft 2020-12); classes that it refers to are added to
+        `kinds`.
+        """
 
 
 class _Scalar:
-    """What shapes of one value have in common."""
+    """Base of the shapes of single values."""
 
     def holds(self, value: object) -> bool:
-        """Whether a value is as it should be."""
+        """Return whether a value is allowed."""
         raise NotImplementedError
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
-        """The value itself."""
+        """Return the value unchanged."""
         value = bare(node)
         if not self.holds(value):
             raise notes.refuse(node, path, self)
@@ -50,12 +55,12 @@ class _Scalar:
 
 @dataclass(frozen=True, repr=False)
 class Anything(_Scalar):
-    """Any value, which is left as it is: a node stays one. `says` is what JSON Schema knows of it."""
+    """Any value, read by somebody else later: a node stays a node. `says`: its JSON Schema."""
 
     says: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self, node: Any, _path: str, _notes: Notes) -> Any:
-        """The node."""
+        """Return the node."""
         return node
 
     def schema(self, _kinds: dict[str, Schema]) -> Schema:
@@ -64,8 +69,11 @@ class Anything(_Scalar):
 
 @dataclass(frozen=True, repr=False)
 class Number(_Scalar):
-    """A number from `least` to `most`, above `least` where `above`; whole, or null, where it says
-    so.
+    """A number from `least` to `most`.
+
+    above : whether `least` itself is excluded
+    whole : whether it must be a whole number
+    null : whether null is allowed
     """
 
     least: float = -LARGEST
@@ -76,13 +84,11 @@ class Number(_Scalar):
 
     def __str__(self) -> str:
         kind = "a whole number" if self.whole else "a number"
-        low = (
-            f" above {self.least:g}"
-            if self.above
-            else f" from {self.least:g}"
-            if self.least > -LARGEST
-            else ""
-        )
+        low = ""
+        if self.above:
+            low = f" above {self.least:g}"
+        elif self.least > -LARGEST:
+            low = f" from {self.least:g}"
         high = f" to {self.most:g}" if self.most < LARGEST else ""
         return f"{kind}{low}{high}{' or null' if self.null else ''}"
 
@@ -91,20 +97,18 @@ class Number(_Scalar):
             return self.null
         if isinstance(value, bool) or not isinstance(value, int | float):
             return False
-        if isinstance(value, float) and not math.isfinite(
-            value
-        ):  # a whole number may be beyond every float
+        # Not asked of an int: it may be too large for any float.
+        if isinstance(value, float) and not math.isfinite(value):
             return False
         inside = self.least < value if self.above else self.least <= value
         return inside and value <= self.most and (not self.whole or value == int(value))
 
     def holds_all(self, values: list[Any]) -> bool:
-        """Whether all values are such numbers; of floats their extremes tell it, in a tenth of the
-        time.
+        """Return whether all values are allowed. Of finite floats only the extremes are checked,
+        which takes a tenth of the time.
         """
-        if (
-            set(map(type, values)) == {float} and not self.whole and math.isfinite(sum(values))
-        ):  # no NaN among them
+        floats = set(map(type, values)) == {float} and not self.whole
+        if floats and math.isfinite(sum(values)):  # so there is no NaN, which min and max may skip
             return self.holds(min(values)) and self.holds(max(values))
         return all(map(self.holds, values))
 
@@ -118,9 +122,15 @@ class Number(_Scalar):
 
 @dataclass(frozen=True, repr=False)
 class Text(_Scalar):
-    """Text, one of `words` unless that is empty, or all of it as the regular expression `pattern`;
-    null where it says so. `allowed`: the same in words. as_written: a number counts as the text
-    that it was written as (names of models may be numbers)."""
+    """A text.
+
+    words : the allowed ones; empty allows every text
+    null : whether null is allowed
+    pattern : regular expression that the whole text must match, "" for none
+    allowed : description of the pattern for messages
+    as_written : whether a number counts as the text that it was written as (a sensor's model may be
+        a number)
+    """
 
     words: tuple[str, ...] = ()
     null: bool = False
@@ -129,10 +139,9 @@ class Text(_Scalar):
     as_written: bool = False
 
     def __str__(self) -> str:
-        several = "one of " if len(self.words) > 1 and not self.as_written else ""
-        kind = self.allowed or (
-            f"{several}{', '.join(filter(None, self.words))}" if self.words else "text"
-        )
+        kind = self.allowed or ", ".join(filter(None, self.words)) or "text"
+        if not self.allowed and len(self.words) > 1 and not self.as_written:
+            kind = f"one of {kind}"
         return f"{kind} or null" if self.null else kind
 
     def holds(self, value: object) -> bool:
@@ -146,27 +155,20 @@ class Text(_Scalar):
         value = bare(node)
         if self.as_written and isinstance(value, int | float) and not isinstance(value, bool):
             value = node.text if isinstance(node, Node) else str(node)
-        if not self.holds(value):
-            word = isinstance(value, str)
-            found = quote(value) if word else describe(node)
-            raise notes.reject(
-                where_of(node),
-                path,
-                found,
-                str(self),
-                notes.near(value, self.words) if word else "",
-            )
-        return value
+        if self.holds(value):
+            return value
+        if not isinstance(value, str):
+            raise notes.refuse(node, path, self)
+        hint = notes.near(value, self.words)
+        raise notes.reject(where_of(node), path, quote(value), str(self), hint)
 
     def schema(self, _kinds: dict[str, Schema]) -> Schema:
         if self.words:
             words = [*self.words, *([None] if self.null else [])]
             return {"enum": words} if len(words) > 1 else {"const": words[0]}
-        kinds = [
-            "string",
-            *(["number"] if self.as_written else []),
-            *(["null"] if self.null else []),
-        ]
+        kinds = ["string"]
+        kinds += ["number"] if self.as_written else []
+        kinds += ["null"] if self.null else []
         found: Schema = {"type": kinds if len(kinds) > 1 else "string"}
         return found | ({"pattern": f"^{self.pattern}$"} if self.pattern else {})
 

@@ -1,9 +1,9 @@
-"""What a document must look like: shapes that read a value strictly, and that say themselves as
-JSON Schema.
+"""Shapes of lists and mappings: each reads a value strictly and returns itself as JSON Schema.
 
-Every document goes through here: JSON in a session, whose further keys are free, and files that
-somebody wrote (`daq.documents.grammar`), whose keys are closed and whose values know their lines. A
-reading goes on after a mistake where it can, so that all of them are told at once.
+Every document is read here: the JSON in a session, which may have further keys, and the files that
+people write, whose keys are closed and whose values know their lines (`daq.documents.classes` makes
+the shapes of both). Reading continues after a mistake where it can, so that all mistakes of a
+document are reported at once.
 """
 
 from __future__ import annotations
@@ -25,16 +25,14 @@ __all__ = [
 
 
 def deviations(value: Any, shape: Shape, path: str = "") -> Iterator[str]:
-    """One sentence for every place where plain data are not as a shape wants them; none for what
-    fits.
-    """
+    """Yield a sentence for every place where plain data deviate from a shape."""
     notes = Notes()
     _tried(shape, value, path, notes)
     return (visible(mistake.sentence()) for mistake in notes.mistakes)
 
 
 def plain(shape: Shape, value: Any) -> Any:
-    """A value as plain data that its shape reads back to the same value."""
+    """Return a value as plain data, which its shape reads back to the same value."""
     if isinstance(shape, Keys) and value is not None:
         return {name: plain(part, getattr(value, name)) for name, part in shape.every().items()}
     if isinstance(value, tuple):
@@ -43,11 +41,11 @@ def plain(shape: Shape, value: Any) -> Any:
     return value if written is None else written(value)
 
 
-_NOTHING = object()
+_NOTHING = object()  # None is a value
 
 
 def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
-    """The value of a node, or _NOTHING after its mistakes were noted."""
+    """Return the value of a node, or _NOTHING after noting its mistakes."""
     try:
         return shape.read(node, path, notes)
     except Unreadable:
@@ -56,8 +54,9 @@ def _tried(shape: Shape, node: Any, path: str, notes: Notes) -> Any:
 
 @dataclass(frozen=True, repr=False)
 class List:
-    """A list of at least `least` and at most `most` values of one shape, each once where `unique`;
-    `what` says what is in it."""
+    """A list of `least` to `most` values of one shape, each at most once where `unique`; `what`
+    names the values in messages.
+    """
 
     item: Shape
     least: int = 0
@@ -68,17 +67,16 @@ class List:
     def __str__(self) -> str:
         if self.what:
             return f"a list of {self.what}"
+        if self.unique:
+            return f"a list of {self.item}"
         most = f" and at most {self.most}" if self.most < math.inf else ""
-        return (
-            f"a list of at least {self.least}{most}"
-            if not self.unique
-            else f"a list of {self.item}"
-        )
+        return f"a list of at least {self.least}{most}"
 
     def read(self, node: Any, path: str, notes: Notes) -> tuple[Any, ...]:
         values = bare(node)
         if not isinstance(values, list | tuple) or not self.least <= len(values) <= self.most:
             raise notes.refuse(node, path, self)
+        # Long lists of numbers (signals in a session's documents) are checked as a whole.
         if (
             isinstance(self.item, Number)
             and isinstance(values, list)
@@ -98,7 +96,9 @@ class List:
         return tuple(found)
 
     def _path_of(self, part: Any, path: str, position: int) -> str:
-        """People count from 1, and need no number for a word or a number in a line of theirs."""
+        """Return the path of an item for messages: counted from 0 in plain data, from 1 in a file,
+        where a word or number has none, because its line is given.
+        """
         if not isinstance(part, Node):
             return f"{path}[{position}]"
         return f"{path}[{position + 1}]" if isinstance(self.item, Keys | OneOf | Then) else path
@@ -110,18 +110,18 @@ class List:
 
 
 def one_of(*words: str) -> Text:
-    """The mark of a text that is one of these words."""
+    """Return the mark of a text that is one of these words."""
     return Text(words, as_written=True)
 
 
 def some_of(*words: str) -> List:
-    """The mark of a list of these words, each at most once."""
+    """Return the mark of a list of these words, each at most once."""
     return List(one_of(*words), unique=True)
 
 
 @dataclass(frozen=True, repr=False)
 class Each:
-    """A mapping with values of one shape under keys of any name, or of those that `keys` allows."""
+    """A mapping of values of one shape, under any key that `keys` allows; None allows every key."""
 
     item: Shape
     keys: Text | None = None
@@ -152,19 +152,23 @@ class Each:
 
 
 def _key_of(node: Any, key: str) -> Any:
+    """Return a key of a mapping as a node with its own place, or as it is in plain data."""
     return Node(node.key_places[key], key, key) if isinstance(node, Node) else key
 
 
 @dataclass(frozen=True, repr=False)
 class Keys:
-    """A mapping with these keys, and those in `optional` where it has them; null where it says so.
+    """A mapping with the keys of `required`, and optionally those of `optional`.
 
-    Keys that the shape does not name are free, unless it is closed. `as_long`: keys of lists that
-    must have as many entries as the first of them. `kind`: the class that the mapping becomes.
-    `alone`: keys that a plain value in the place of the mapping stands for. `groups`: further keys,
-    all that a regular expression matches, of one shape. `what` says what the mapping is, `names`
-    what its keys are, where they are too many to name. `standing_in`: what takes the place of a
-    required value that is missing, so that the reading goes on.
+    as_long : keys of lists that must have equal lengths
+    null : whether null is allowed instead of the mapping
+    closed : whether other keys are refused; they are ignored otherwise
+    kind : class that is made from the values; None returns them as a dict
+    alone : keys that a plain value instead of the mapping is given to
+    groups : regular expression -> shape of all keys that match it
+    what : name of the mapping in messages
+    names : description of the keys in messages, where there are too many to list
+    standing_in : values for required keys that are missing, so that reading can continue
     """
 
     required: Mapping[str, Shape]
@@ -180,20 +184,19 @@ class Keys:
     standing_in: Mapping[str, Any] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        listed = f"a mapping with the keys {self.allowed_keys()}" if self.closed else "a mapping"
-        return f"{self.what or listed}{' or null' if self.null and not self.closed else ''}"
+        kind = f"a mapping with the keys {self.allowed_keys()}" if self.closed else "a mapping"
+        null = " or null" if self.null and not self.closed else ""
+        return f"{self.what or kind}{null}"
 
     def every(self) -> dict[str, Shape]:
-        """The shape of every key, those of the class in its order."""
+        """Return the shape of every key, in the order of the class's fields if there is one."""
         found = {**self.required, **self.optional}
-        return (
-            {item.name: found[item.name] for item in fields(self.kind)}
-            if is_dataclass(self.kind)
-            else found
-        )
+        if not is_dataclass(self.kind):
+            return found
+        return {item.name: found[item.name] for item in fields(self.kind)}
 
     def allowed_keys(self) -> str:
-        """The keys in words."""
+        """Return the keys in words, for messages."""
         return self.names or ", ".join(self.every())
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
@@ -203,7 +206,8 @@ class Keys:
         where = where_of(node)
         if isinstance(node, Node):
             notes.places[path] = where
-        if self.alone and not isinstance(entries, dict | list | tuple) and entries is not None:
+        plain_value = not isinstance(entries, dict | list | tuple) and entries is not None
+        if self.alone and plain_value:
             entries = dict.fromkeys(self.alone, node)
         if not isinstance(entries, dict):
             raise notes.refuse(node, path, self)
@@ -221,6 +225,7 @@ class Keys:
     def _values(
         self, node: Any, entries: Mapping[str, Any], path: str, notes: Notes
     ) -> dict[str, Any]:
+        """Return the values of the keys that could be read; note unknown keys where closed."""
         given = {}
         for key, part in entries.items():
             full = f"{path}.{key}" if path else str(key)
@@ -232,14 +237,10 @@ class Keys:
                 if value is not _NOTHING:
                     given[key] = value
             elif self.closed:
-                homes = (
-                    f"did you mean {home}?"
-                    for home in notes.known
-                    if home.rpartition(".")[2] == key
-                )
-                hint = notes.near(key, [*self.required, *self.optional]) or (
-                    "" if self.names else next(homes, "")
-                )
+                hint = notes.near(key, [*self.required, *self.optional])
+                if not hint and not self.names:  # the key of another mapping of the document?
+                    homes = (path for path in notes.known if path.rpartition(".")[2] == key)
+                    hint = next((f"did you mean {home}?" for home in homes), "")
                 notes.reject(
                     where_of(_key_of(node, key)),
                     full,
@@ -250,31 +251,33 @@ class Keys:
         return given
 
     def _group(self, key: str) -> Shape | None:
-        return next(
-            (shape for pattern, shape in self.groups.items() if re.fullmatch(pattern, key)), None
-        )
+        """Return the shape of the group that a key belongs to, None for none."""
+        for pattern, shape in self.groups.items():
+            if re.fullmatch(pattern, key):
+                return shape
+        return None
 
     def _note_missing(self, missing: list[str], where: str, path: str, notes: Notes) -> None:
+        """Note missing keys: together in a mapping inside a file, one by one elsewhere."""
         if self.closed and path and missing:
             keys = ", ".join(missing)
             notes.reject(where, path, f"no {keys}", f"{self.what or 'a mapping'} with {keys}")
             return
         for key in missing:
             full = f"{path}.{key}" if path else key
-            told = str(self.required[key])
-            wanted = (
-                told
-                if isinstance(self.required[key], Text) and told != "text"
-                else f"an entry {key}"
-            )
-            notes.reject(where, full, *(("nothing", wanted) if self.closed else ("is missing", "")))
+            if not self.closed:
+                notes.reject(where, full, "is missing", "")
+                continue
+            shape = self.required[key]
+            listed = isinstance(shape, Text) and str(shape) != "text"  # its words say more
+            notes.reject(where, full, "nothing", str(shape) if listed else f"an entry {key}")
 
     def schema(self, kinds: dict[str, Schema]) -> Schema:
         if not is_dataclass(self.kind):
             return self.body(kinds)
         name = str(getattr(self.kind, "__name__", ""))
         if name not in kinds:
-            kinds[name] = {}  # its place, before those of its parts
+            kinds[name] = {}  # takes its position before those of its parts
             kinds[name] = self.body(kinds)
         forms = [{"$ref": f"#/$defs/{name}"}]
         forms += [self.every()[self.alone[0]].schema(kinds)] if self.alone else []
@@ -282,7 +285,7 @@ class Keys:
         return {"anyOf": forms} if len(forms) > 1 else forms[0]
 
     def body(self, kinds: dict[str, Schema]) -> Schema:
-        """The schema itself, in the place of a reference to it."""
+        """Return the schema itself, where `schema` returns a reference to it."""
         null = self.null and self.kind is None
         found: Schema = {"type": ["object", "null"] if null else "object"}
         found["properties"] = {
@@ -292,19 +295,18 @@ class Keys:
         patterns = {f"^{pattern}$": shape.schema(kinds) for pattern, shape in self.groups.items()}
         found |= {"patternProperties": patterns} if patterns else {}
         found |= {"additionalProperties": False} if self.closed else {}
-        told = " ".join((self.kind.__doc__ or "").split()) if self.kind is not None else self.what
-        return found | ({"description": told} if told else {})
+        about = " ".join((self.kind.__doc__ or "").split()) if self.kind is not None else self.what
+        return found | ({"description": about} if about else {})
 
     def default_of(self, name: str) -> Any:
-        """The class's own default as plain data, MISSING for none; a group's stand at its own
-        fields.
+        """Return the default of a key as plain data, MISSING for none.
+
+        A group has none of its own: the defaults are those of its fields.
         """
-        kind = self.kind if is_dataclass(self.kind) else None
-        default = (
-            next((item.default for item in fields(kind) if item.name == name), MISSING)
-            if kind
-            else MISSING
-        )
+        defaults: dict[str, Any] = {}
+        if is_dataclass(self.kind):
+            defaults = {item.name: item.default for item in fields(self.kind)}
+        default = defaults.get(name, MISSING)
         if default is MISSING or is_dataclass(default) or name in self.required:
             return MISSING
         shape = self.every()[name]
@@ -318,7 +320,7 @@ class Keys:
 
 @dataclass(frozen=True, repr=False)
 class Choice:
-    """A mapping whose shape hangs on the word under `key`."""
+    """A mapping whose shape depends on the word under `key`."""
 
     key: str
     shapes: Mapping[str, Keys]
@@ -342,14 +344,17 @@ class Choice:
 
 @dataclass(frozen=True, repr=False)
 class OneOf:
-    """A mapping whose shape hangs on which of these keys it has; exactly one of them. The shapes
-    are closed, and a key that several of them have is the same in each. `what` it is, in words."""
+    """A mapping that has exactly one of these keys, on which its shape depends.
+
+    The shapes are closed, and a key that several of them have is the same in each. `what` names the
+    mapping in messages.
+    """
 
     shapes: Mapping[str, Keys]
     what: str
 
     def every(self) -> dict[str, Shape]:
-        """The shape of every key that one of the shapes has."""
+        """Return the shape of every key that at least one of the shapes has."""
         return {key: part for shape in self.shapes.values() for key, part in shape.every().items()}
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
@@ -359,17 +364,17 @@ class OneOf:
         kinds = [key for key in entries if key in self.shapes]
         if len(kinds) == 1:
             return self.shapes[kinds[0]].read(node, path, notes)
+        # Without a kind no value can be read, but a misspelt key can be named.
         _tried(Keys({}, dict.fromkeys(self.every(), Anything()), closed=True), node, path, notes)
         found = f"the kinds {' and '.join(kinds)}" if kinds else f"a {self.what} without a kind"
         raise notes.reject(where_of(node), path, found, f"one of {', '.join(self.shapes)}")
 
     def schema(self, kinds: dict[str, Schema]) -> Schema:
+        in_all = set.intersection(*(set(part.required) for part in self.shapes.values()))
         return {
             "type": "object",
             "properties": {name: part.schema(kinds) for name, part in self.every().items()},
-            "required": sorted(
-                set.intersection(*(set(part.required) for part in self.shapes.values()))
-            ),
+            "required": sorted(in_all),
             "additionalProperties": False,
             "oneOf": [{"required": [key]} for key in self.shapes],
             "allOf": [_rule(key, part) for key, part in self.shapes.items()],
@@ -377,7 +382,7 @@ class OneOf:
 
 
 def _rule(key: str, shape: Keys) -> Schema:
-    """What goes with a key of `OneOf`."""
+    """Return the schema rule of a key of `OneOf`: the keys that it requires and allows."""
     then = {"required": list(shape.required), "propertyNames": {"enum": list(shape.every())}}
     return {"if": {"required": [key]}, "then": then}
 
@@ -393,18 +398,21 @@ class Either:
         return f"{self.first}, or {self.second}"
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
-        """The value; the mistakes are those of the shape that a mapping, or that anything but null,
-        was meant for.
+        """Return the value as the first shape reads it or, failing that, the second.
+
+        Where both fail, the mistakes of one are reported: of the second if the value is a mapping
+        and so is the shape, or if the first is null; of the first otherwise.
         """
-        first, second = (Notes(known=notes.known, renamed=notes.renamed) for _ in range(2))
+        first, second = (
+            Notes(known=notes.known, renamed=notes.renamed, meaning=notes.meaning) for _ in range(2)
+        )
         value = _tried(self.first, node, path, first)
         found = first
         if first.mistakes:
             value = _tried(self.second, node, path, second)
             mapping = isinstance(bare(node), dict) and isinstance(self.second, Keys)
-            found = (
-                second if not second.mistakes or mapping or isinstance(self.first, Null) else first
-            )
+            if not second.mistakes or mapping or isinstance(self.first, Null):
+                found = second
         notes.add(found)
         if found.mistakes:
             raise Unreadable(path)
@@ -416,8 +424,9 @@ class Either:
 
 @dataclass(frozen=True, repr=False)
 class Then:
-    """A value of a shape, and what `build` makes of it: build(value, node, path, notes), which
-    notes what does not fit together. `says`: what JSON Schema can know of that."""
+    """A value of a shape, converted or checked further by `build(value, node, path, notes)`, which
+    notes mistakes of the values taken together. `says`: keywords of JSON Schema for these checks.
+    """
 
     shape: Shape
     build: Callable[[Any, Any, str, Notes], Any]
@@ -430,12 +439,12 @@ class Then:
         return self.build(self.shape.read(node, path, notes), node, path, notes)
 
     def plain(self, value: Any) -> Any:
-        """As the shape alone."""
+        """Return the value as plain data, as the shape alone writes it."""
         return plain(self.shape, value)
 
     def schema(self, kinds: dict[str, Schema]) -> Schema:
         return {**self.shape.schema(kinds), **self.says}
 
     def body(self, kinds: dict[str, Schema]) -> Schema:
-        """The schema itself, in the place of a reference to it."""
+        """Return the schema itself, where `schema` returns a reference to it."""
         return {**getattr(self.shape, "body", self.shape.schema)(kinds), **self.says}

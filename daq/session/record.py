@@ -1,10 +1,8 @@
 """Read a session: the interface between acquisition and analysis."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -25,16 +23,7 @@ from daq.session.content import (
     refuse,
     status_deviations,
 )
-from daq.session.hdf5 import (
-    TableReader,
-    dataset,
-    has,
-    is_text,
-    members,
-    open_for_reading,
-    read_attributes,
-    read_text,
-)
+from daq.session.hdf5 import dataset, has, read_attributes, read_text
 from daq.session.plan import (
     SCHEMA,
     ChannelSignal,
@@ -45,23 +34,11 @@ from daq.session.plan import (
     run_info,
     status_dtype,
 )
-from daq.session.time_limit import limited
+from daq.session.session_file import SessionFile, opened
 
 __all__ = ["Record", "SessionTruth", "open_session"]
 
 Codes = npt.NDArray[np.int32]
-KEPT_TABLES = 32  # datasets kept open, enough for a run or two
-DAMAGE = (
-    OSError,
-    RuntimeError,
-    KeyError,
-    ValueError,
-    TypeError,
-    IndexError,
-    AttributeError,
-    MemoryError,
-)
-"""Exceptions that h5py and the decoders raise on a damaged file."""
 
 
 def open_session(path: Path | str, patience: float | None = None) -> "Record":
@@ -76,11 +53,10 @@ def open_session(path: Path | str, patience: float | None = None) -> "Record":
     place = Path(path)
     if not place.is_file():
         kind = kind_of_place(place)
-        found = (
-            f"{place} is {kind}, no session file" if kind else f"there is no session file {place}"
-        )
-        raise SessionError(found)
-    file = _opened(place, patience)
+        if kind:
+            raise SessionError(f"{place} is {kind}, no session file")
+        raise SessionError(f"there is no session file {place}")
+    file = opened(place, patience)
     try:
         return Record(file, place, patience)
     except BaseException:
@@ -89,37 +65,18 @@ def open_session(path: Path | str, patience: float | None = None) -> "Record":
         raise
 
 
-def _opened(place: Path, patience: float | None) -> Any:
-    try:
-        with limited(patience):
-            return open_for_reading(place)
-    except DAMAGE as error:
-        raise SessionError(f"{place} is not a readable HDF5 file: {error}") from error
-
-
-class Record:
+class Record(SessionFile):
     """A session as the analysis sees it, from `open_session` or `Recorder.record`.
 
-    Any thread may read.
+    Any thread may read. Raises SessionError for any content that deviates from the format.
 
-    `status_rows` is the status table as last read; a recorder keeps its own record's up to date.
-
-    Raises SessionError for any content that deviates from the format. Only hard links are followed,
-    so that a foreign file cannot point the reader at other files.
+    status_rows : the status table as last read; a recorder keeps its own record's up to date
     """
 
     def __init__(
         self, file: Any, path: Path, patience: float | None = None, made: bool = False
     ) -> None:
-        self._file = file
-        self._path = path
-        self._patience = patience
-        # Groups found by hard links so far; None for a file that this process made, which needs no
-        # checks.
-        self._known: set[str] | None = None if made else set()
-        self._owned = file.mode == "r"  # else the recorder owns and closes the file
-        self._live = self._owned and file.swmr_mode  # another process may be writing
-        self._tables: dict[str, TableReader] = {}  # open and already checked
+        super().__init__(file, path, patience, made)
         self._known_blocks: tuple[str, npt.NDArray[np.void]] | None = None
         self._known_scalars: tuple[str, dict[str, float]] | None = None
         self._documents: dict[str, Any] = {}
@@ -138,40 +95,6 @@ class Record:
             refuse(deviations(names, List(Text()), "session/scalars"))
             self._scalar_names = tuple(names)
             self.status_rows = self._status_rows()
-
-    def __enter__(self) -> "Record":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the file; a recorder's own record stays open until the recorder is closed."""
-        self._tables.clear()
-        if self._owned:
-            # nothing was written: nothing is lost
-            with suppress(OSError, RuntimeError), limited(self._patience):
-                self._file.close()
-
-    def reopen(self) -> None:
-        """Open the file again after `close`, in this process or in one forked from it.
-
-        Needed because processes that share a file opened before a fork also share its position and
-        its lock.
-        """
-        self._file = _opened(self._path, self._patience)
-
-    @property
-    def live(self) -> bool:
-        """Whether another process was writing the file when it was opened, or this process is
-        writing it.
-        """
-        return self._live or not self._owned
 
     @property
     def runs(self) -> tuple[RunInfo, ...]:
@@ -277,12 +200,8 @@ class Record:
         """Return the signal, as `signal` does, of codes of a channel that were read before; the
         first is sample `start`.
         """
-        channel, status, first, last = (
-            self._channel(name),
-            self._status(run),
-            start,
-            start + codes.size,
-        )
+        channel, status = self._channel(name), self._status(run)
+        first, last = start, start + codes.size
         samples = codes.astype(np.float64)
         # In place: a record may be hundreds of MB.
         samples *= channel.scale / channel.sensitivity
@@ -330,47 +249,6 @@ class Record:
             self._known_scalars = run, dict(zip(self._scalar_names, values.tolist(), strict=True))
         return dict(self._known_scalars[1])
 
-    def attributes(self, path: str) -> dict[str, Any]:
-        """Return the attributes of a group or dataset of the session."""
-        with self.readable():
-            return read_attributes(self._file, path)
-
-    def texts(self, path: str) -> tuple[str, ...]:
-        """Return the sorted names of the text datasets in a group."""
-        with self.readable():
-            return tuple(
-                name for name in members(self._file, path) if is_text(self._file, f"{path}/{name}")
-            )
-
-    def json_or_none(self, path: str) -> Any:
-        """Return the JSON value of the text dataset at `path`, None where there is none."""
-        with self.readable():
-            return read_json(self._file, path) if has(self._file, path) else None
-
-    @contextmanager
-    def readable(self) -> Iterator[None]:
-        """Raise a SessionError instead of the errors of h5py and the decoders on a foreign or
-        damaged file.
-        """
-        try:
-            with limited(self._patience):
-                yield
-        except (
-            OSError,
-            RuntimeError,
-            KeyError,
-            ValueError,
-            TypeError,
-            IndexError,
-            AttributeError,
-            MemoryError,
-        ) as error:
-            if isinstance(error, MemoryError):
-                raise SessionError(f"{self._path}: out of memory while it was read") from error
-            # str() of a KeyError puts its message in quotes.
-            why = error.args[0] if isinstance(error, KeyError) and error.args else error
-            raise SessionError(f"{self._path} is damaged or not a session: {why}") from error
-
     def ledger_cycles(self, run: str) -> int:
         """Return the number of cycles for which a run's ledger has room."""
         return self._plans[run].ledger_cycles or 0
@@ -387,34 +265,6 @@ class Record:
         if (np.abs(rows) > LARGEST).any():  # NaN is allowed, for unknown numbers
             raise SessionError(f"{self._path} is damaged: {run}/truth/ledger holds absurd numbers")
         return rows
-
-    def _rows(
-        self,
-        path: str,
-        dtype: npt.DTypeLike,
-        shape: tuple[int, ...],
-        start: int = 0,
-        stop: int | None = None,
-    ) -> npt.NDArray[Any]:
-        """Return the present rows start..stop of the table with that type and shape."""
-        with self.readable():
-            return self._table(path, dtype, shape).rows(start, shape[0] if stop is None else stop)
-
-    def _table(self, path: str, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> TableReader:
-        """Return a table, opened and checked, or cached; while a writer lives, opened anew, because
-        cached chunks are out of date.
-        """
-        if self._live:
-            source = TableReader(
-                self._file, path, dtype, shape, set() if self._known is None else self._known
-            )
-            source.refresh()
-            return source
-        if path not in self._tables:
-            if len(self._tables) >= KEPT_TABLES:
-                self._tables.clear()
-            self._tables[path] = TableReader(self._file, path, dtype, shape, self._known)
-        return self._tables[path]
 
     def _codes(self, run: str, channel: str, start: int, stop: int) -> Codes:
         return self._rows(f"{run}/data/{channel}", "<i4", (self._plans[run].samples,), start, stop)

@@ -36,7 +36,9 @@ def chosen(
     def one(condition: Condition) -> FidelityChoice:
         mass = _moving_mass(condition, rig)
         motion = Waveform(condition.drive.frequency, condition.drive.acceleration)
-        losses = float(losses_of(condition.scene, rig, mass).energies(motion).sum())
+        losses = float(
+            losses_of(condition.scene, rig, mass, motion.frequency).energies(motion).sum()
+        )
         return choose(condition, rig, asked, _noise(condition, tools, mass), losses)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:

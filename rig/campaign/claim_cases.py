@@ -9,7 +9,8 @@ from dataclasses import is_dataclass
 from functools import reduce
 from typing import Any
 
-from daq.documents.grammar import shape_at
+from daq.documents.classes import shape_at
+from rig.catalog.entries import Material
 from rig.protocol.claims import LISTS
 from rig.protocol.spec import Condition, Expect, Protocol
 from rig.units import UNITS, Quantity
@@ -34,9 +35,13 @@ TOLD = {"scene.bed", "scene.grains.material", "scene.grains.density", "scene.gra
 """Paths whose values are in the report's table of conditions anyway."""
 
 
+WALL = {"scene.cavity.material": "wall_material", "scene.cavity.density": "wall_density"}
+"""Paths whose last word is that of a field of the grains, with the name that the report gives them."""
+
+
 def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
     """Return the condition's values of the other varied fields, readable, by the last word of the
-    path.
+    path, or by its name in `WALL`.
     """
     found = {}
     for axis in protocol.vary:
@@ -45,7 +50,7 @@ def varied(protocol: Protocol, condition: Condition) -> dict[str, str]:
                 continue
             value = _at(condition, path)
             if not is_dataclass(value):
-                found[path.rpartition(".")[2]] = _text(path, value)
+                found[WALL.get(path, path.rpartition(".")[2])] = _text(path, value)
     return found
 
 
@@ -89,7 +94,8 @@ def _concerns(claim: Expect, condition: Condition) -> bool:
 
 
 def _at(condition: Condition, path: str) -> Any:
-    return reduce(getattr, path.split("."), condition)
+    value = reduce(getattr, path.split("."), condition)
+    return str(value) if isinstance(value, Material) else value
 
 
 def _others(claim: Expect, protocol: Protocol) -> list[str]:

@@ -20,7 +20,7 @@ from rig.campaign.one_run.prescribed_run import stand_of
 from rig.campaign.one_run.run_inputs import motion_of
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import rig_with_losses
-from rig.drive.losses import drag_of_box, quadratic_energy, sound_of_box
+from rig.drive.losses import first_principles, quadratic_energy
 from rig.drive.waveform import viscous_energy
 from rig.errors import InputError, Mistake
 from rig.prediction.document import predictions
@@ -150,12 +150,8 @@ def _provenance(campaign: Campaign, target: float, found: dict[str, float]) -> d
     """Return the origin of the coefficients, with first-principles values for comparison: effective
     values, no explanation.
     """
-    cavity = campaign.conditions[0].scene.cavity
-    height, width, length = (
-        side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length)
-    )
-    omega = 2.0 * np.pi * campaign.conditions[0].drive.frequency
-    first = {"noise": sound_of_box(height, width, length, omega), "air": drag_of_box(height, width)}
+    condition = campaign.conditions[0]
+    first = first_principles(condition.scene.cavity, condition.drive.frequency)
     return {
         "protocol": campaign.protocol.name,
         "seed": campaign.protocol.seed,

@@ -12,7 +12,7 @@ from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
 from rig.campaign.one_run.deliberate_errors import error_facts
 from rig.campaign.one_run.scalars import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
-from rig.campaign.open_settings import assumed_settings
+from rig.campaign.open_settings import assumed_settings, material_values
 from rig.campaign.provenance import now, provenance
 from rig.catalog.entries import Exciter
 from rig.catalog.rig_file import dump_rig
@@ -73,6 +73,10 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
                 "values": [
                     *(asdict(value) for value in campaign.rig.values),
                     *assumed_settings(campaign.conditions),
+                    *(
+                        asdict(value)
+                        for value in material_values(campaign.conditions, campaign.rig)
+                    ),
                 ],
             },
             "provenance": provenance(campaign.text, protocol.seed, campaign.rig_time),

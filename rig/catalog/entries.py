@@ -15,6 +15,8 @@ Fraction = Annotated[float, Quantity("number", 0.0, 1.0)]
 Friction = Annotated[float, Quantity("number", 0.0, 10.0)]
 Density = Annotated[float, Quantity("density", 0.0, 30000.0, above=True)]
 Stiffness = Annotated[float, Quantity("stiffness", 0.0, 1e12, above=True)]
+OwnFraction = Annotated[float | None, Quantity("number", 0.0, 1.0)]
+OwnFriction = Annotated[float | None, Quantity("number", 0.0, 10.0)]
 
 
 RANGES = {"force": 10.0, "acceleration": 1.0, "current": 10.0, "voltage": 10.0}
@@ -36,13 +38,25 @@ class CatalogValue:
 
 @dataclass(frozen=True)
 class Material:
-    """A grain material: density kg/m^3, Young's modulus Pa, Poisson ratio."""
+    """A material of grains or of the box: density kg/m^3, Young's modulus Pa, Poisson ratio.
+
+    Contacts of its grains with each other and with the wall: coefficients of restitution and of
+    friction, None where the rig's hold. `values` lists each number's origin.
+    """
 
     name: str
     label: str
     density: Density
     youngs_modulus: Annotated[float, Quantity("pressure", 0.0, 2e12, above=True)]
     poisson_ratio: Annotated[float, Quantity("number", 0.0, 0.5)]
+    restitution_grains: OwnFraction = None
+    restitution_wall: OwnFraction = None
+    grain_friction: OwnFriction = None
+    wall_friction: OwnFriction = None
+    values: tuple[CatalogValue, ...] = ()
+
+    def __str__(self) -> str:
+        return self.name
 
 
 @dataclass(frozen=True)
@@ -84,7 +98,8 @@ class Rig:
 
     wall_friction mu_s, janssen_ratio K_p and grain_friction mu_p of eqs 1-5; restitutions; volume
     fractions of the shaken and the loose packing; wall density kg/m^3; gauge-side mass kg; gravity
-    m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2); the
+    m/s^2; parasitic losses `loss_noise` (viscous, N s/m) and `loss_air` (quadratic, N s^2/m^2), None for
+    the sound that the box radiates and the drag of the air on it by first principles; the
     mount: friction of guides, natural frequency in Hz and loss factor of cords; relative level
     error and third harmonic of the waveform; relative scatter per refill of the packing and of the
     clearance; analyzer range of each channel in V (keys of `RANGES`); `provenance` of the losses as
@@ -103,8 +118,8 @@ class Rig:
     wall_density: Density = 7850.0
     gauge_mass: Annotated[float, Quantity("mass", 0.0, 100.0)] = 0.02
     gravity: Annotated[float, Quantity("acceleration", 0.0, 1000.0)] = GRAVITY
-    loss_noise: Annotated[float, Quantity("damping", 0.0, 1e9)] = 0.0
-    loss_air: Annotated[float, Quantity("quadratic damping", 0.0, 1e9)] = 0.0
+    loss_noise: Annotated[float | None, Quantity("damping", 0.0, 1e9, null=True)] = None
+    loss_air: Annotated[float | None, Quantity("quadratic damping", 0.0, 1e9, null=True)] = None
     guide_friction: Friction = 0.006
     cord_frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 2.0
     cord_loss_factor: Friction = 0.1

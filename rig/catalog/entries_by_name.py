@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import Choice, Keys, Shape, Text, Then
 from rig.catalog.entries import CatalogValue, Exciter, Material
-from rig.catalog.stated_values import StatedNumber, stated_fields
+from rig.catalog.stated_values import StatedNumber, contact_numbers, needed_numbers, stated_fields
 from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.errors import InputError, Mistake, nearest, quote
 from rig.units import Quantity
@@ -47,12 +47,12 @@ class Entry(NamedTuple):
 
 
 def material(name: str) -> Material:
-    """Return a grain material by its catalog name.
+    """Return a material of grains or walls by its catalog name.
 
     Raises InputError naming the nearest, as the others do.
     """
     entry = entry_of("material", name)
-    return Material(name=name, label=entry.words["label"], **entry.numbers())
+    return Material(name=name, label=entry.words["label"], values=entry.values, **entry.numbers())
 
 
 def exciter(name: str) -> Exciter:
@@ -148,11 +148,9 @@ def _entry(parts: dict[str, Any], _node: Node, path: str, _notes: Notes) -> Entr
 def _shape(kind: str) -> Shape:
     if kind == "transducer":
         return Choice("quantity", {quantity: _transducer(quantity) for quantity in _SENSOR_UNITS})
-    fields = {
-        "material": stated_fields(Material),
-        "exciter": stated_fields(Exciter),
-        "analyzer": _ANALYZER,
-    }
+    if kind == "material":
+        return Keys({"label": Text(), **needed_numbers()}, contact_numbers(), closed=True)
+    fields = {"exciter": stated_fields(Exciter), "analyzer": _ANALYZER}
     return Keys({"label": Text(), **fields[kind]}, closed=True)
 
 

@@ -23,7 +23,7 @@ from rig.errors import InputError, Mistake, nearest, quote
 from rig.units import Quantity
 
 SCHEMA = "rig/rig/1"
-DEFAULT = "paper"
+DEFAULT = "clean"
 RANGES = ("force", "acceleration", "current", "voltage")
 _VOLTS = StatedNumber(Quantity("voltage", 0.0, 1000.0, above=True))
 _PRESET = "preset"

@@ -3,15 +3,29 @@
 import gc
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from rig.cli.errors import Commands, with_whole_output
-
-if TYPE_CHECKING:
-    from rig.campaign.campaign import Campaign
-    from rig.protocol.load import LoadedProtocol
+from rig.cli.options import (
+    DEFAULTS,
+    ForceFile,
+    ForceSession,
+    Json,
+    ProtocolFile,
+    RigFile,
+    Seed,
+    SessionPlace,
+    Sets,
+    Speed,
+    Strict,
+    Varies,
+    Version,
+    campaign_for,
+    loaded_protocol,
+    speed_of,
+)
 
 app = typer.Typer(
     cls=Commands,
@@ -24,54 +38,11 @@ app = typer.Typer(
 )
 
 
-def _version(asked: bool) -> None:
-    if asked:
-        from importlib.metadata import version
-
-        typer.echo(version("particle-damper-rig"))
-        raise typer.Exit
-
-
 @app.callback()
-def options(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", is_eager=True, callback=_version, help="Print the version and exit."
-        ),
-    ] = False,
-) -> None:
+def options(version: Version = False) -> None:
     """Virtual test rig for particle dampers: run a protocol, read the records, compare with the
     model.
     """
-
-
-ProtocolFile = Annotated[
-    str, typer.Argument(metavar="PROTOCOL", help="Protocol file (YAML) or shipped name.")
-]
-Sets = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Replace one value, e.g. scene.bed=locked."),
-]
-Varies = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="PATH=LIST",
-        help="Replace or add one axis, e.g. scene.grains.fill=[0.5,0.9].",
-    ),
-]
-Seed = Annotated[int | None, typer.Option(help="Session seed instead of the protocol's.")]
-RigFile = Annotated[
-    str | None, typer.Option("--rig", metavar="FILE", help="Rig file or catalog name.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print results as JSON and nothing else.")]
-Strict = Annotated[
-    bool,
-    typer.Option(
-        "--strict", help="A rating exceeded (fundamental) is an error before anything runs."
-    ),
-]
 
 
 @app.command()
@@ -84,11 +55,9 @@ def run(
         int | None,
         typer.Option(min=1, max=256, help="Worker processes; results do not depend on it."),
     ] = None,
-    speed: Annotated[
-        str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")
-    ] = "max",
+    speed: Speed = "max",
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with an interrupted session.")
+        bool, typer.Option("--resume", help="Continue an interrupted session.")
     ] = False,
     seed: Seed = None,
     rig: RigFile = None,
@@ -100,7 +69,7 @@ def run(
             help="Simulate each bed a second time in the exact waveform: `waveform` in the offset.",
         ),
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    force: ForceSession = False,
     set_: Sets = None,
     vary: Varies = None,
     json: Json = False,
@@ -111,11 +80,11 @@ def run(
     """
     from rig.cli.commands.run import run_protocol
 
-    campaign = _campaign(protocol, set_, vary, seed, rig)
+    campaign = campaign_for(protocol, set_, vary, seed, rig)
     folder = out if out is not None else Path("sessions") / campaign.protocol.name
     campaign = replace(campaign, ablate=ablate)
     raise typer.Exit(
-        run_protocol(campaign, folder, workers, _speed(speed), resume, force, strict, json)
+        run_protocol(campaign, folder, workers, speed_of(speed), resume, force, strict, json)
     )
 
 
@@ -132,7 +101,7 @@ def check(
     """
     from rig.cli.commands.check import check_protocol
 
-    raise typer.Exit(check_protocol(_campaign(protocol, set_, vary, seed, rig), strict, json))
+    raise typer.Exit(check_protocol(campaign_for(protocol, set_, vary, seed, rig), strict, json))
 
 
 @app.command()
@@ -165,20 +134,18 @@ def model(
         return
     from rig.cli.commands.model import model_table
 
-    model_table(_load(protocol or _DEFAULTS, set_, vary, None, rig), json)
+    model_table(loaded_protocol(protocol or DEFAULTS, set_, vary, None, rig), json)
 
 
 @app.command()
 def replay(
-    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
-    speed: Annotated[
-        str, typer.Option(metavar="max|1|N", help="Pace: rig seconds per second, or max.")
-    ] = "max",
+    session: SessionPlace,
+    speed: Speed = "max",
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write a second session and its report there."),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    force: ForceSession = False,
     json: Json = False,
 ) -> None:
     """Feed a recorded session through recorder, analysis and report again: same codes, same report.
@@ -190,7 +157,7 @@ def replay(
     go_on_watched(session)
     from rig.cli.commands.replay import replay_session
 
-    raise typer.Exit(replay_session(session, out, _speed(speed), force, json))
+    raise typer.Exit(replay_session(session, out, speed_of(speed), force, json))
 
 
 @app.command()
@@ -232,7 +199,7 @@ def report(
 
 @app.command()
 def info(
-    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
+    session: SessionPlace,
     validate: Annotated[
         bool,
         typer.Option(
@@ -258,7 +225,7 @@ def info(
 
 @app.command("export")
 def export_(
-    session: Annotated[Path, typer.Argument(metavar="SESSION", help="Session file or its folder.")],
+    session: SessionPlace,
     to: Annotated[str, typer.Option(metavar="FORMAT", help="uff58, csv, sep005-npz or mat.")],
     run: Annotated[
         str | None, typer.Option(metavar="K", help="One run, by name or number; else all.")
@@ -276,8 +243,8 @@ def export_(
 ) -> None:
     """Write records for other tools: UFF58 (types 1 and 4), CSV, SEP-005, MATLAB.
 
-    Poles and delays of the channels are undone, so that W from the file is that of the report. A
-    JSON file beside each tells flags, certificates and where the whole cycles begin; rig import
+    Poles and delays of the channels are corrected, so that W from the file is that of the report. A
+    JSON file beside each states flags, certificates and where the whole cycles begin; rig import
     reads it.
 
     Example: rig export sessions/fill_rate --to uff58 --run 3
@@ -300,7 +267,7 @@ def import_(
     out: Annotated[
         Path, typer.Option(metavar="SESSION", help="Session file (.h5), or a folder for it.")
     ],
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing session.")] = False,
+    force: ForceSession = False,
     json: Json = False,
 ) -> None:
     """Turn a laboratory's own records of force and acceleration into a session and its report.
@@ -328,7 +295,7 @@ def calibrate(
     rig: RigFile = None,
     set_: Sets = None,
     vary: Varies = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ForceFile = False,
     json: Json = False,
 ) -> None:
     """Set the emulated rig's losses once, from the ledger (not a calibration in the metrological
@@ -338,7 +305,7 @@ def calibrate(
     """
     from rig.cli.commands.calibrate import calibrate_rig
 
-    calibrate_rig(_campaign(protocol, set_, vary, seed, rig), target, out, force, json)
+    calibrate_rig(campaign_for(protocol, set_, vary, seed, rig), target, out, force, json)
 
 
 @app.command()
@@ -368,7 +335,7 @@ def init(
     path: Annotated[Path, typer.Argument(metavar="[FILE]", help="Where to write.")] = Path(
         "protocol.yaml"
     ),
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ForceFile = False,
 ) -> None:
     """Write a commented protocol to start from.
 
@@ -408,7 +375,7 @@ def schema(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write it there instead of printing it.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ForceFile = False,
 ) -> None:
     """Print a JSON Schema for editors (protocol, map of an import) or for readers of report.json
     and comparison.json.
@@ -418,47 +385,6 @@ def schema(
     from rig.cli.commands.schema import schema_text
 
     schema_text(kind, out, force)
-
-
-# A protocol of defaults only, for `rig model` without one.
-_DEFAULTS = "schema: rig/protocol/1\nname: defaults\n"
-
-
-def _load(
-    source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
-) -> "LoadedProtocol":
-    from rig.protocol.load import read_protocol
-
-    return read_protocol(source, sets or (), varies or (), seed, rig)
-
-
-def _campaign(
-    source: str, sets: list[str] | None, varies: list[str] | None, seed: int | None, rig: str | None
-) -> "Campaign":
-    """Return the resolved campaign of a protocol file or name, with the command line's changes."""
-    from rig.campaign.resolve import campaign_of
-    from rig.catalog.rig_file import load_rig
-    from rig.cli.terminal.output import say_compiling
-    from rig.kernels.compiling import tell_of_compiling
-
-    loaded = _load(source, sets, varies, seed, rig)
-    tell_of_compiling(say_compiling)
-    return campaign_of(loaded.protocol, load_rig(loaded.protocol.rig), loaded.text)
-
-
-def _speed(text: str) -> float | None:
-    """Return rig seconds per wall second, None for as fast as possible. Raises InputError."""
-    from rig.errors import InputError, Mistake
-
-    if text == "max":
-        return None
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = float("nan")
-    if not 0.0 < speed < float("inf"):
-        raise InputError(Mistake("--speed", "", repr(text), "max, 1, or a positive number"))
-    return speed
 
 
 def main() -> None:

@@ -1,2 +1,2 @@
-"""Strict YAML in and out, any document: every mistake at once, with its line and the nearest name.
-It knows no physics."""
+"""Read any YAML document strictly, and write it: every mistake at once, with its line and the most
+similar name. No physics."""

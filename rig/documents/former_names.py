@@ -1,5 +1,5 @@
-"""Names of the first edition, and what they are called now: an old name is an error that tells the
-new one.
+"""Names of the first edition -> names of today. An old name in a user's file is an error that states
+the new one.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ FORMER_NAMES: Mapping[str, str] = {
     "mistake": "deliberate_error",
     "allow_undersampled": "paper_rule with the opposite value",
 }
-"""Keys and words of protocols, rig files and mappings; after the new name, what else is to be known."""
+"""Keys and words of protocols, rig files and mappings; after the new name a note for the user."""
 
 FORMER_PROTOCOLS: Mapping[str, str] = {
     "coupled_fill": "shaker_fill",

@@ -1,9 +1,9 @@
-"""YAML text to a tree of plain values that know their place. Bounded: nothing executes, nothing
-explodes.
+"""Read YAML text to a tree of values that know their place.
 
-Only what every YAML reader agrees on is taken: mappings with word keys, lists, text, integers,
-decimals, true, false and null (YAML 1.2 core schema). Tags, several documents, repeated keys and
-sizes beyond the bounds are mistakes.
+Accepted is only what all YAML readers read alike: mappings with words as keys, lists, text,
+integers, decimals, true, false and null (YAML 1.2 core schema). Tags, several documents, repeated
+keys and sizes beyond the bounds are mistakes, so that a file can neither execute code nor exhaust
+the memory.
 """
 
 from __future__ import annotations
@@ -34,13 +34,14 @@ _WORDS: dict[str, Scalar] = {
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
 _LOADERS: tuple[Any, ...] = (getattr(yaml, "CSafeLoader", yaml.SafeLoader), yaml.SafeLoader)
-"""Parsers in turn. The first is fast, where it is built in, and has limits of its own, others in
-each version; what it refuses is read by the second, which has none, so that bounds and words are
-the same everywhere."""
+"""Parsers in the order in which they are tried. The first, where it is installed, is fast, but has
+limits of its own that differ between versions. A text that it refuses is read by the second, which
+has none, so that bounds and messages are the same everywhere.
+"""
 
 
 def read_file(path: Path) -> str:
-    """The text of a file of at most MAX_BYTES of UTF-8. Raises InputError."""
+    """Return the text of a file of at most MAX_BYTES of UTF-8. Raises InputError."""
     try:
         with open_regular(path) as stream:
             data = stream.read(MAX_BYTES + 1) or b""
@@ -61,17 +62,17 @@ def read_file(path: Path) -> str:
 
 
 def read_yaml(text: str, source: str, mistakes: list[Mistake]) -> Node:
-    """The tree of one YAML document; places read `source:line`.
+    """Return the tree of one YAML document; places read `source:line`.
 
-    What leaves a tree to read on with (a key twice, a tag, a key that is not a word) is added to
-    `mistakes`; what does not raises InputError.
+    Mistakes after which the rest can still be read (a repeated key, a tag, a key that is not a
+    word) are added to `mistakes`; any other raises InputError.
     """
     return _read(text, source, lambda line: f"{source}:{line + 1}", mistakes)
 
 
 def read_document(shape: Shape, root: Node, notes: Notes) -> Any:
-    """The value of a tree as its shape wants it. Raises InputError with every mistake, in the order
-    of the lines.
+    """Return the value of a tree as its shape reads it. Raises InputError with every mistake, in
+    the order of the lines.
     """
     value = None
     with suppress(Unreadable):
@@ -82,8 +83,8 @@ def read_document(shape: Shape, root: Node, notes: Notes) -> Any:
 
 
 def read_value(text: str, place: str) -> Node:
-    """The tree of a value given on the command line; every place in it reads `place`. Raises
-    InputError.
+    """Return the tree of a value given on the command line; every place in it reads `place`.
+    Raises InputError.
     """
     mistakes: list[Mistake] = []
     node = _read(text, place, lambda _line: place, mistakes)
@@ -93,11 +94,12 @@ def read_value(text: str, place: str) -> Node:
 
 
 def _read(text: str, source: str, place: Callable[[int], str], mistakes: list[Mistake]) -> Node:
+    """Return the tree of a text; `place` gives the place of a line, counted from 0."""
     if len(text) > MAX_BYTES:
         raise InputError(Mistake(source, "", "a text of more than 1 MiB", "at most 1 MiB of YAML"))
     *first, last = _LOADERS
     for loader in first:
-        found: list[Mistake] = []
+        found: list[Mistake] = []  # of this parser only: the next one finds them again
         with suppress(yaml.MarkedYAMLError):
             root = _Builder(place, found).read(text, source, loader)
             mistakes += found
@@ -111,10 +113,9 @@ def _read(text: str, source: str, place: Callable[[int], str], mistakes: list[Mi
 def _syntax_mistake(
     error: yaml.MarkedYAMLError, text: str, source: str, place: Callable[[int], str]
 ) -> Mistake:
+    """Return a parser's error as a mistake, with a hint where the line is indented with tabs."""
     mark = error.problem_mark or error.context_mark
-    problem = " ".join(part for part in (error.context, error.problem) if part).removeprefix(
-        "found "
-    )
+    problem = " ".join(filter(None, (error.context, error.problem))).removeprefix("found ")
     if mark is None:
         return Mistake(source, "", problem, "YAML")
     line = "".join(text.splitlines()[mark.line : mark.line + 1])
@@ -124,7 +125,9 @@ def _syntax_mistake(
 
 
 class _Builder:
-    """Builds nodes from parser events, counting them, so that a bound is met before memory is used."""
+    """Builds nodes from parser events and counts them, so that a file over the bounds is refused
+    before its memory is used.
+    """
 
     def __init__(self, place: Callable[[int], str], mistakes: list[Mistake]) -> None:
         self.place = place
@@ -133,8 +136,8 @@ class _Builder:
         self.anchors: dict[str, tuple[Node, int]] = {}
 
     def read(self, text: str, source: str, loader: Any) -> Node:
-        """The tree of a text by one parser. Raises InputError, or the parser's own error for a
-        syntax it refuses.
+        """Return the tree of a text. Raises InputError, or the parser's own error for a syntax that
+        it refuses.
         """
         try:
             text.encode("utf-8")
@@ -145,6 +148,7 @@ class _Builder:
             ) from error
 
     def _document(self, events: Iterator[Any], source: str) -> Node:
+        """Return the tree of the only document. Raises InputError for none, or for a second."""
         root: Node | None = None
         for event in events:
             if isinstance(event, yaml.DocumentStartEvent):
@@ -158,6 +162,7 @@ class _Builder:
         return root
 
     def _node(self, event: Any, events: Iterator[Any], depth: int) -> Node:
+        """Return the node that begins with an event, and take its further events."""
         where = self.place(event.start_mark.line)
         self._count(1, where)
         if depth > MAX_DEPTH:
@@ -176,24 +181,26 @@ class _Builder:
         elif isinstance(event, yaml.SequenceStartEvent):
             node = Node(where, tuple(self._items(events, depth)))
         else:
-            plain = event.implicit[0]
+            plain = event.implicit[0]  # written without quotes
             node = Node(
                 where,
                 scalar(event.value) if plain else event.value,
                 text=event.value,
                 quoted=not plain,
             )
-        if event.anchor is not None:
+        if event.anchor is not None:  # with its size: an alias counts as often as it is used
             self.anchors[event.anchor] = (node, self.nodes - before)
         return node
 
     def _items(self, events: Iterator[Any], depth: int) -> Iterator[Node]:
+        """Yield the items of a list."""
         for event in events:
             if isinstance(event, yaml.SequenceEndEvent):
                 return
             yield self._node(event, events, depth + 1)
 
     def _mapping(self, events: Iterator[Any], where: str, depth: int) -> Node:
+        """Return a mapping; keys that are repeated or not words are noted and left out."""
         entries: dict[str, Node] = {}
         places: dict[str, str] = {}
         for event in events:
@@ -216,6 +223,7 @@ class _Builder:
         return Node(where, entries, key_places=places)
 
     def _alias(self, event: Any, where: str) -> Node:
+        """Return the value that an alias refers to."""
         known = self.anchors.get(event.anchor)
         if known is None:
             raise InputError(
@@ -227,6 +235,7 @@ class _Builder:
         return known[0]
 
     def _count(self, more: int, where: str) -> None:
+        """Count nodes. Raises InputError for too many."""
         self.nodes += more
         if self.nodes > MAX_NODES:
             raise InputError(
@@ -235,7 +244,7 @@ class _Builder:
 
 
 def scalar(text: str) -> Scalar:
-    """The value of an unquoted scalar."""
+    """Return the value of an unquoted scalar."""
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text):

@@ -1,4 +1,4 @@
-"""Plain data to YAML text that the reader takes back unchanged: the same data give the same bytes."""
+"""Write plain data as YAML text that the reader reads back unchanged; equal data give equal bytes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,18 @@ _PLAIN = re.compile(r"[A-Za-z0-9.](?:[A-Za-z0-9 ./^%+*_-]*[A-Za-z0-9./^%+*_-])?"
 
 
 def write_yaml(data: Mapping[str, Any]) -> str:
-    """Block mappings outside; a mapping or list whose parts are scalars or that fits one line is
-    written in flow.
+    """Return the YAML text of a mapping.
+
+    A mapping that holds mappings, or is longer than a line, is written as a block; everything else
+    in one line.
     """
     return "".join(f"{line}\n" for line in _block(data, 0))
 
 
 def write_text(text: str) -> str:
-    """A scalar text, plain where every reader takes it as that text, else in double quotes."""
+    """Return a text as a scalar: plain if every reader reads it as that text, else in double
+    quotes.
+    """
     if _PLAIN.fullmatch(text) and scalar(text) == text:
         return text
     safe = (c if c.isprintable() and c not in '"\\' else f"\\U{ord(c):08X}" for c in text)
@@ -28,16 +32,14 @@ def write_text(text: str) -> str:
 
 
 def _block(data: Mapping[str, Any], depth: int) -> list[str]:
+    """Return the lines of a mapping, indented by `depth` levels."""
     lines = []
     for key, value in data.items():
         head = f"{'  ' * depth}{write_text(key)}:"
         flow = _flow(value)
-        nested = (
-            isinstance(value, Mapping)
-            and value
-            and any(isinstance(part, Mapping) for part in value.values())
-        )
-        if nested or (isinstance(value, Mapping) and len(head) + len(flow) > WIDTH):
+        mapping = isinstance(value, Mapping)
+        nested = mapping and any(isinstance(part, Mapping) for part in value.values())
+        if nested or (mapping and len(head) + len(flow) > WIDTH):
             lines += [head, *_block(value, depth + 1)]
         else:
             lines.append(f"{head} {flow}")
@@ -45,10 +47,10 @@ def _block(data: Mapping[str, Any], depth: int) -> list[str]:
 
 
 def _flow(value: Any) -> str:
+    """Return any value in one line."""
     if isinstance(value, Mapping):
-        return (
-            f"{{{', '.join(f'{write_text(key)}: {_flow(part)}' for key, part in value.items())}}}"
-        )
+        parts = [f"{write_text(key)}: {_flow(part)}" for key, part in value.items()]
+        return f"{{{', '.join(parts)}}}"
     if isinstance(value, str):
         return write_text(value)
     if isinstance(value, Sequence):

@@ -1,20 +1,23 @@
 """Losses other than those of the grains: noise, air, gas, mount. Forces act ON the box; energies
 are J per cycle.
 
-`noise` is a viscous loss, -c v, `air` a quadratic one, -k v |v|. The names are the paper's terms
-for its offset and not an explanation: the shipped coefficients are 317 000 and 12 000 times the
-values for sound radiation and drag of the box (`over_first_principles`). `gas` is the viscous
+`noise` is a viscous loss, -c v, `air` a quadratic one, -k v |v|. In the rig `clean` they are sound
+radiation and drag of the box by first principles. In the rig `paper` the names are the paper's
+terms for its offset and not an explanation: its coefficients are 317 000 and 12 000 times those
+values (`over_first_principles`). `gas` is the viscous
 equivalent of the drag inside the bed (rig/stand/gas.py). `mount` is the support of the box. Guides
 have Coulomb friction -f sign(v); cords have structural damping, in every harmonic -eta k v_h/(h w),
 whose energy pi eta k X^2 is independent of frequency. The stiffness of the cords is omitted because
 it dissipates nothing.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rig.catalog.entries import Rig
 from rig.drive.waveform import Waveform, harmonic_sum, viscous_energy
 from rig.protocol.spec import Cavity
 
@@ -156,17 +159,34 @@ def cord_coefficient(loss_factor: float, frequency: float, mass: float) -> float
     return float(loss_factor * mass * (2.0 * np.pi * frequency) ** 2)
 
 
-def over_first_principles(
-    noise: float, air: float, cavity: Cavity, frequency: float
-) -> dict[str, float]:
-    """Return, by channel, the ratio of the coefficients `noise` and `air` to first-principles
-    values for sound and drag of the closed box.
+def first_principles(cavity: Cavity, frequency: float) -> dict[str, float]:
+    """Return the first-principles values of `noise` (N s/m) and `air` (N s^2/m^2): sound and drag
+    of the closed box.
     """
     height, width, length = (
         side + 2.0 * cavity.wall for side in (cavity.height, cavity.width, cavity.length)
     )
     sound = sound_of_box(height, width, length, 2.0 * np.pi * frequency)
-    return {"noise": noise / sound, "air": air / drag_of_box(height, width)}
+    return {"noise": sound, "air": drag_of_box(height, width)}
+
+
+def loss_coefficients(rig: Rig, cavity: Cavity, frequency: float) -> dict[str, float]:
+    """Return the coefficients `noise` (N s/m) and `air` (N s^2/m^2) of a rig with this box: the
+    rig file's, by first principles where it has none.
+    """
+    own = {"noise": rig.loss_noise, "air": rig.loss_air}
+    physics = first_principles(cavity, frequency)
+    return {name: physics[name] if value is None else value for name, value in own.items()}
+
+
+def over_first_principles(
+    coefficients: Mapping[str, float], cavity: Cavity, frequency: float
+) -> dict[str, float]:
+    """Return, by channel, the ratio of the coefficients `noise` and `air` to first-principles
+    values for sound and drag of the closed box.
+    """
+    physics = first_principles(cavity, frequency)
+    return {name: value / physics[name] for name, value in coefficients.items()}
 
 
 def drag_of_box(height: float, width: float) -> float:

@@ -9,10 +9,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from daq.documents.grammar import keys_of, paths_of
+from daq.documents.classes import keys_of, paths_of
 from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import List, Shape, Then, one_of
+from rig.catalog.own_materials import OwnMaterials
+from rig.catalog.rig_file import DEFAULT
 from rig.documents.former_names import FORMER_NAMES
 from rig.documents.yaml_reader import read_document, read_file, read_yaml
 from rig.protocol.spec import Scene
@@ -174,7 +176,7 @@ class RecordMap:
     length: Annotated[float | None, Quantity("time", 0.0, 1e9, above=True)] = None
     steady: Steady = Steady()
     condition: Known = Known()
-    rig: str = "paper"
+    rig: str = DEFAULT
     scene: Scene | None = None
     runs: tuple[RunFile, ...] = ()
 
@@ -192,7 +194,9 @@ class LoadedMap:
 def read_mapping(path: Path) -> LoadedMap:
     """The mapping in a file. Raises InputError with every mistake in it."""
     text = read_file(path)
-    notes = Notes(known=tuple(paths_of(RecordMap)), renamed=FORMER_NAMES)
+    notes = Notes(
+        known=tuple(paths_of(RecordMap)), renamed=FORMER_NAMES, meaning=OwnMaterials(path.parent)
+    )
     root = _with_common(read_yaml(text, str(path), notes.mistakes))
     return LoadedMap(read_document(mapping_shape(), root, notes), text, path, notes.places)
 

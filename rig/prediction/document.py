@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from rig.catalog.entries import Rig
-from rig.drive.losses import over_first_principles
+from rig.drive.losses import loss_coefficients, over_first_principles
 from rig.prediction.model import Prediction, predict_about
 from rig.protocol.spec import Condition
 from rig.stand.gas import LEAST_SHARE, share_of_weight
@@ -79,10 +79,11 @@ def scene_facts(condition: Condition, point: Prediction) -> dict[str, Any]:
     scene, drive = condition.scene, condition.drive
     return {
         "id": condition.id,
-        "material": scene.grains.material,
+        "material": str(scene.grains.material),
         "density": scene.grains.density,
         "diameter": scene.grains.diameter,
         "fill": scene.grains.fill,
+        **({} if scene.cavity.material is None else {"wall_material": str(scene.cavity.material)}),
         "bed": scene.bed,
         "axis": scene.axis,
         "drive": drive.mode,
@@ -97,6 +98,8 @@ def condition_facts(
     condition: Condition, rig: Rig, point: Prediction, rate: float
 ) -> dict[str, Any]:
     """Return the facts that the laboratory knows of a condition beforehand, for the session."""
+    cavity, frequency = condition.scene.cavity, condition.drive.frequency
+    coefficients = loss_coefficients(rig, cavity, frequency)
     return {
         **scene_facts(condition, point),
         "carried": point.carried,
@@ -108,9 +111,8 @@ def condition_facts(
         "moving_mass": rig.exciter.moving_mass,
         "losses": list(condition.scene.losses),
         "support": condition.scene.support,
-        "over_first_principles": over_first_principles(
-            rig.loss_noise, rig.loss_air, condition.scene.cavity, condition.drive.frequency
-        ),
+        "over_first_principles": over_first_principles(coefficients, cavity, frequency),
+        **({"loss_coefficients": coefficients} if None in (rig.loss_noise, rig.loss_air) else {}),
         "gas": _gas_facts(condition, rig),
         "dashpot_c": condition.scene.dashpot.c if condition.scene.bed == "dashpot" else None,
         **(_places(condition)),

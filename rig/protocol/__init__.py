@@ -1,1 +1,1 @@
-"""The experiment as data: read, checked, varied over its grid."""
+"""The experiment as data: its typed fields, reading and checking a protocol, the grid of conditions."""

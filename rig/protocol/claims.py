@@ -1,18 +1,18 @@
 """Claims in a protocol: the grammar of `expect:`.
 
-An entry has the claim in words, one kind with what it is about, and what the kind needs; margins
-stand in the protocol:
+An entry has the claim in words, one kind with the field it is about, and the values, limits or
+margin that the kind needs:
 
-    - {claim: ..., optimum: scene.grains.fill, value: 90 %}                  W is largest there (a list: in there)
+    - {claim: ..., optimum: scene.grains.fill, value: 90 %}                  W is largest at that value (or in a list)
     - {claim: ..., order: scene.grains.material, values: [alumina, heavy]}   W rises along the list
     - {claim: ..., rise: scene.grains.fill, from: 10 %, to: 90 %}            W rises in every step between; also fall
-    - {claim: ..., nonlinear: drive.acceleration, margin: 0.1}               n = dlnW/dlna is off 2 by more than that
-    - {claim: ..., nearly_zero: scene.grains.fill, value: 0 %, full: 90 %, margin: 2 %}    W below the margin of full W
+    - {claim: ..., nonlinear: drive.acceleration, margin: 0.1}               |dlnW/dlna - 2| exceeds the margin
+    - {claim: ..., nearly_zero: scene.grains.fill, value: 0 %, full: 90 %, margin: 2 %}    W < margin x W at `full`
     - {claim: ..., offset_within: [5.5 %, 8.5 %], per: scene.grains.material}              sum W_exp / sum W_T - 1
 
-`at: {path: value or list}` restricts an entry to some conditions; otherwise it is judged at every
-combination of the other fields that vary, or over the mean of ln W along one of them with `over:
-path`. `imposed: reason` marks a claim whose outcome was put in.
+An entry is judged at every combination of the other fields that vary. `at: {path: value or list}`
+restricts it to some of them; `over: path` judges the mean of ln W along that field instead of each
+of its values. `imposed: reason` marks a claim whose outcome was put into the model.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from daq.documents.grammar import paths_of, shape_at
+from daq.documents.classes import paths_of, shape_at
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Anything, Each, Keys, List, OneOf, Shape, Text, Then
+from rig.catalog.entries import Material
 from rig.protocol.spec import Expect, Protocol
 from rig.protocol.vary import PARTS, plain_values
 from rig.units import Quantity
@@ -44,9 +45,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "optimum": ("value",), "order": ("values",), "rise": ("from", "to"), "fall": ("from", "to"),
     "nearly_zero": ("value", "full"),
 }  # fmt: skip
-"""Kind -> its keys that hold values of the field; the last of them may hold a list where the kind
-wants one.
-"""
+"""Kind -> its keys that hold values of the field. Those of the kinds in LISTS may hold a list."""
 
 LISTS = ("optimum", "order")
 MARGINS = {"nonlinear": 0.1, "nearly_zero": 0.02}
@@ -56,10 +55,11 @@ ALWAYS = ("claim", "imposed")
 
 @cache
 def expect_shape() -> List:
-    """The shape of `expect`, read into a tuple of `Expect`."""
+    """Return the shape of `expect`, which is read into a tuple of `Expect`."""
     names = "the path of a field under scene, drive, acquire, such as scene.grains.fill"
     path = Text(tuple(single_paths()), as_written=True, allowed=names)
     words = Then(Text(as_written=True), _words, {"pattern": r"\S"})
+    # A value is read later, by the shape of the field that the claim names.
     value = Anything({"not": {"type": "object"}})
     limits = List(Quantity("number", -1.0, 100.0), 2, 2, what="two numbers, such as [5.5 %, 8.5 %]")
     shapes: dict[str, Shape] = dict.fromkeys(ALWAYS, words) | dict.fromkeys(KINDS, path)
@@ -76,7 +76,7 @@ def expect_shape() -> List:
 
 
 def plain_expect(claim: Expect) -> dict[str, Any]:
-    """A claim as plain data that read_expect reads back to an equal one."""
+    """Return a claim as plain data, which `expect_shape` reads back to an equal one."""
     data: dict[str, Any] = {"claim": claim.claim}
     if claim.kind == "offset_within":
         data[claim.kind] = [limit + 0.0 for limit in claim.limits]  # a minus zero is a zero
@@ -96,25 +96,22 @@ def plain_expect(claim: Expect) -> dict[str, Any]:
 
 
 def single_paths() -> Iterator[str]:
-    """Every path under scene, drive and acquire of one number or word: no group of fields, no list."""
+    """Yield every path under scene, drive and acquire that holds one number or word."""
     for path in paths_of(Protocol):
-        if path.partition(".")[0] in PARTS and not isinstance(
-            shape_at(Protocol, path), Keys | List
-        ):
+        several = isinstance(shape_at(Protocol, path), Keys | List)
+        if path.partition(".")[0] in PARTS and not several:
             yield path
 
 
 def _claim(parts: Mapping[str, Any], node: Node, where: str, notes: Notes) -> Expect:
-    """The claim of an entry; notes what does not fit together."""
+    """Return the claim of an entry. Raises Unreadable after noting what does not fit together."""
     before = len(notes.mistakes)
     (kind,) = (key for key in parts if key in KINDS)
     found: dict[str, Any] = {key: parts[key] for key in (*ALWAYS, "over") if key in parts}
     path = found["path"] = parts.get("per", "") if kind == "offset_within" else parts[kind]
-    found["values"] = tuple(
-        value
-        for key in NAMES.get(kind, ())
-        for value in _values(path, parts[key], f"{where}.{key}", notes, listed=kind in LISTS)
-    )
+    found["values"] = ()
+    for key in NAMES.get(kind, ()):
+        found["values"] += _values(path, parts[key], f"{where}.{key}", notes, listed=kind in LISTS)
     found["at"] = {
         key: _values(key, item, f"{where}.at.{key}", notes, listed=True)
         for key, item in parts.get("at", {}).items()
@@ -145,18 +142,21 @@ def _claim(parts: Mapping[str, Any], node: Node, where: str, notes: Notes) -> Ex
 
 
 def _place(node: Node, key: str) -> str:
+    """Return where the value of a key of a mapping was written."""
     return node.value[key].where if isinstance(node.value, dict) else node.where
 
 
 def _words(text: str, node: Node, path: str, notes: Notes) -> str:
+    """Return a text; refuse one of blanks alone."""
     if not text.strip():
         raise notes.reject(node.where, path, "no words", "a sentence")
     return text
 
 
 def _values(path: str, node: Node, where: str, notes: Notes, *, listed: bool) -> tuple[Any, ...]:
-    """The values of a field that a claim names: one, or with `listed` one or a list of them; none
-    after a mistake.
+    """Return the values of the field at `path` that a claim names, none after a mistake.
+
+    listed : whether the node may hold a list of values instead of one
     """
     shape = shape_at(Protocol, path)
     many = node if listed and isinstance(node.value, tuple) else Node(node.where, (node,))
@@ -164,5 +164,7 @@ def _values(path: str, node: Node, where: str, notes: Notes, *, listed: bool) ->
         notes.reject(node.where, where, "an empty list", "one or more values")
     elif shape is not None:
         with suppress(Unreadable):
-            return List(shape).read(many, where, notes)
+            found = List(shape).read(many, where, notes)
+            # A claim speaks of a material by its name; its values stand in the scene.
+            return tuple(str(one) if isinstance(one, Material) else one for one in found)
     return ()

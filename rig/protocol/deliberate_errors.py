@@ -1,5 +1,5 @@
-"""Bad practice on purpose: one well-known error of a measurement, so that its report can be
-studied.
+"""Deliberate errors: one well-known error of measurement practice at a time, so that its effect on
+the report can be studied.
 """
 
 from __future__ import annotations
@@ -10,21 +10,22 @@ from typing import Annotated
 from rig.units import Quantity
 
 AC_CORNER = 0.5
-"""Corner of the force channel's AC coupling that nobody wrote down, Hz."""
+"""Corner frequency, Hz, of the force channel's AC coupling in the error `corners`, which the channel
+table does not state.
+"""
 
 
 @dataclass(frozen=True)
 class DeliberateError:
-    """At most one of these errors; none by default. The channel table and the predictions know
-    nothing of it.
-
-    pole : actual over certified time constant of the accelerometer corners : both channels are AC
-    coupled at 0.5 Hz, the acceleration's corner by this fraction above the force's cycles : W is
-    read over so many cycles, whole or not skew : samples by which the acceleration channel comes
-    late clock : ppm by which the acceleration channel's own clock runs fast coil : the force is
-    taken from the coil's current, BL i in place of the gauge offset : DC at the acceleration's
-    input over the set level; the reading integrates without taking off any mean friction : what the
-    guide takes is read as the bed's
+    """At most one deliberate error of the measurement; none by default. The channel table and the
+    predictions do not state it. `pole`: ratio of the accelerometer's actual time constant to the
+    certified one. `corners`: both channels are AC coupled at 0.5 Hz, and the corner of the
+    acceleration channel is higher by this fraction. `cycles`: number of cycles that W is read over,
+    whole or not. `skew`: delay of the acceleration channel, samples. `clock`: ppm by which the
+    clock of the acceleration channel runs fast. `coil`: the force is taken from the coil's current,
+    BL i, instead of the gauge. `offset`: DC at the acceleration input as a fraction of the set
+    level; velocity is then integrated without subtracting the mean. `friction`: the loss of the
+    guide is counted as the bed's.
     """
 
     pole: Annotated[float | None, Quantity("number", 0.0, 100.0, above=True)] = None
@@ -38,13 +39,13 @@ class DeliberateError:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Names of the errors that are made: one, or none."""
+        """Return the names of the errors that are made, in the order of the fields."""
         made = ((item.name, getattr(self, item.name)) for item in fields(self))
         return tuple(name for name, value in made if value is not None and value is not False)
 
     @property
     def kind(self) -> str | None:
-        """Name of the error that is made."""
+        """Return the name of the error that is made, None for none."""
         return next(iter(self.kinds), None)
 
 

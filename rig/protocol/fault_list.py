@@ -1,13 +1,11 @@
-"""The list `faults:` of a protocol: read strictly, written back, and checked against the runs that
-it is for.
-"""
+"""Read the list `faults:` of a protocol, write it back, and check it against the protocol's runs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import List, Then, plain
 from rig.errors import Mistake
@@ -20,7 +18,7 @@ FAULT_KINDS = get_args(Kind)
 
 
 def faults_shape() -> List:
-    """The shape of `faults`."""
+    """Return the shape of `faults`."""
     return List(
         Then(keys_of(Fault), _check_size, {"allOf": [_rule(kind) for kind in FAULT_KINDS]}),
         what="faults",
@@ -28,13 +26,15 @@ def faults_shape() -> List:
 
 
 def plain_faults(faults: Iterable[Fault]) -> list[dict[str, Any]]:
-    """The faults as plain data that are read back; what is left out stays out."""
+    """Return the faults as plain data, without fields that are None."""
     every = (plain(keys_of(Fault), fault) for fault in faults)
     return [{name: value for name, value in fault.items() if value is not None} for fault in every]
 
 
 def misplaced(protocol: Protocol, conditions: Sequence[Condition], notes: Notes) -> list[Mistake]:
-    """Faults that no run of these conditions would ever show."""
+    """Return a mistake for each fault that would happen in no run: too late, on a channel that is
+    not recorded, or in a repeat that is not made.
+    """
     longest = max((c.acquire.settle + c.acquire.record for c in conditions), default=0)
     exciter = any(c.acquire.exciter_channels for c in conditions)
     found = []
@@ -65,7 +65,7 @@ def misplaced(protocol: Protocol, conditions: Sequence[Condition], notes: Notes)
 
 
 def _check_size(fault: Fault, node: Node, path: str, notes: Notes) -> Fault:
-    """Note a size that the kind of fault does not have, lacks or cannot take."""
+    """Note a size that is missing, out of range, or given for a kind of fault without a size."""
     full, quantity = f"{path}.size", SIZES.get(fault.kind)
     entry = node.value.get("size", node) if isinstance(node.value, dict) else node
     if full in notes.failed:
@@ -82,7 +82,7 @@ def _check_size(fault: Fault, node: Node, path: str, notes: Notes) -> Fault:
 
 
 def _rule(kind: str) -> dict[str, Any]:
-    """What `_check_size` notes, as JSON Schema."""
+    """Return the check of `_check_size` for one kind as a JSON Schema rule."""
     then: dict[str, Any] = {"properties": {"size": {"enum": [0, "0"]}}}
     if kind in SIZES:
         then = {

@@ -1,4 +1,4 @@
-"""Faults that a protocol asks for: what happens to which channel, when and how much
+"""Faults of the measurement chain that a protocol asks for: kind, channel, time and size
 (docs/acquisition.md).
 """
 
@@ -22,15 +22,16 @@ SIZES = {
     "gain_step": Quantity("number", -1.0, 10.0),
     "clock_slip": Quantity("number", 1, 1000, whole=True),
 }
-"""What `size` is of each kind: a share of the range, a relative change, whole samples. Other kinds
-have none.
+"""Kind -> allowed `size`. Of spike, bias, drift and noise it is a fraction of the input range, of
+gain_step a relative change, of clock_slip whole samples. Kinds without an entry have no size.
 """
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault. start, duration: cycles from the drive's start; duration None: to the end of the
-    run (a spike: one sample). repeat: the only repeat of each condition that has it, None for all.
+    """One fault. `start`: cycles from the start of the drive. `duration`: cycles; null lasts to the
+    end of the run (of a spike: one sample). `repeat`: the only repeat of each condition that has
+    the fault; null for all repeats.
     """
 
     kind: Kind

@@ -1,9 +1,11 @@
-"""What a single value cannot say: whether scene, drive and acquisition fit together and are built."""
+"""Checks over several fields: are scene, drive and acquisition compatible, and is the combination
+implemented?
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from operator import attrgetter
@@ -26,21 +28,23 @@ from rig.protocol.spec import (
 if TYPE_CHECKING:
     from daq.chain.channel import AnalyzerSpec
 
-LEAST_SAMPLES = 500
+LEAST_SAMPLES = 500  # per cycle, where acquire.paper_rule holds
 MOST_SAMPLES_PER_CYCLE = 10**6
 MOST_SAMPLES = 10**9
 MOST_LAYERS = 20000
 LEAST_SWEEP = 20
-"""Cycles of a sweep at least: each of them is a point."""
+"""Smallest number of cycles of a sweep: each cycle is one point of the response curve."""
 MOST_ROWS = 10**7
 LONGEST_READING = 64
-"""Cycles that the analysis holds at a time; a reading of broken cycles takes one such stretch."""
+"""Largest number of cycles that the analysis reads at a time. W over a fraction of a cycle is read
+from one such stretch.
+"""
 
 
 @dataclass(frozen=True)
 class Conflict:
-    """A mistake in values taken together; the first of `paths` is the field to name, the others
-    take part.
+    """A mistake in several fields taken together. The message names the first of `paths`; the others
+    take part in it.
     """
 
     paths: tuple[str, ...]
@@ -50,7 +54,7 @@ class Conflict:
 
 
 def conflicts(scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    """Everything that keeps this condition from being run."""
+    """Yield every reason why this condition cannot be run."""
     yield from _not_built(scene, drive)
     yield from _names(scene, acquire)
     yield from _box(scene)
@@ -60,6 +64,7 @@ def conflicts(scene: Scene, drive: Drive, acquire: Acquire) -> Iterator[Conflict
 
 
 def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
+    """Yield beds, drives and their combinations with axis and support that are not implemented."""
     if scene.bed not in BUILT_BEDS:
         yield Conflict(("scene.bed",), f"the bed {scene.bed}, not built yet", ", ".join(BUILT_BEDS))
     if drive.mode not in BUILT_MODES:
@@ -69,11 +74,9 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
     if scene.axis != "horizontal" and scene.bed in HORIZONTAL_ONLY_BEDS:
         able = [bed for bed in BEDS if bed not in HORIZONTAL_ONLY_BEDS]
         waiting = [bed for bed in able if bed not in BUILT_BEDS]
-        beds = (
-            f"{', '.join(able)} ({', '.join(waiting)}: not built yet)"
-            if waiting
-            else ", ".join(able)
-        )
+        beds = ", ".join(able)
+        if waiting:
+            beds += f" ({', '.join(waiting)}: not built yet)"
         found = f"axis {scene.axis} with bed {scene.bed}"
         yield Conflict(
             ("scene.axis", "scene.bed"),
@@ -88,6 +91,7 @@ def _not_built(scene: Scene, drive: Drive) -> Iterator[Conflict]:
 
 
 def _single_mass(scene: Scene) -> Iterator[Conflict]:
+    """Yield mistakes in friction, initial position and gap of the bed `single_mass`."""
     single_mass = scene.single_mass
     if scene.axis != "horizontal" and single_mass.friction > 0.0:
         found = f"friction {single_mass.friction:g} on axis {scene.axis}, where the single mass lies on no floor along the drive"
@@ -108,9 +112,11 @@ def _single_mass(scene: Scene) -> Iterator[Conflict]:
 
 
 def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
+    """Yield names that the catalog does not have."""
     sensors = acquire.sensors
     for path, name, known in (
         ("scene.grains.material", scene.grains.material, names("material")),
+        ("scene.cavity.material", scene.cavity.material, names("material")),
         ("acquire.analyzer", acquire.analyzer, (*names("analyzer"), IDEAL)),
         ("acquire.sensors.force", sensors.force, (*sensors_for("force"), IDEAL)),
         (
@@ -121,11 +127,12 @@ def _names(scene: Scene, acquire: Acquire) -> Iterator[Conflict]:
         ("acquire.sensors.current", sensors.current, (*sensors_for("current"), IDEAL)),
         ("acquire.sensors.voltage", sensors.voltage, (*sensors_for("voltage"), IDEAL)),
     ):
-        if name not in known:
+        if isinstance(name, str) and name not in known:
             yield Conflict((path,), quote(name), ", ".join(known), nearest(name, known))
 
 
 def _box(scene: Scene) -> Iterator[Conflict]:
+    """Yield grains that are too large for the cavity, and beds of too few or too many layers."""
     cavity, grains = scene.cavity, scene.grains
     smallest = min(cavity.length, cavity.width, cavity.height)
     cavity_paths = ("scene.cavity.length", "scene.cavity.width", "scene.cavity.height")
@@ -152,6 +159,7 @@ def _box(scene: Scene) -> Iterator[Conflict]:
 
 
 def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
+    """Yield sampling rates that the analyzer does not have, and runs of too many samples."""
     path, paths = (
         "acquire.samples_per_cycle",
         ("acquire.analyzer", "drive.frequency", "drive.sweep_to"),
@@ -169,6 +177,7 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     if spec is None:
         return
     fastest = max(spec.rates)
+    # The tolerance is far above rounding: 51200 S/s is enough for 512 samples at 100 Hz.
     if fastest < drive.fastest * wanted * (1 - 1e-12):
         found = f"{wanted} samples per cycle at {drive.fastest:g} Hz"
         allowed = f"at most {fastest / drive.fastest:.4g} there: the fastest rate of {spec.model} is {fastest:g} S/s"
@@ -192,7 +201,7 @@ def _sampling(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
 
 
 def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    """A sweep is played open loop, and only as many cycles as its points need."""
+    """Yield mistakes of a sweep, which needs an open-loop shaker and a cycle for each point."""
     if drive.sweep_to is None:
         return
     found = f"a sweep to {drive.sweep_to:g} Hz"
@@ -210,7 +219,7 @@ def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
             "another frequency, or null",
         )
     if acquire.trigger.channel != "none":
-        allowed = "acquire.trigger.channel: none (the sweep starts behind the settling)"
+        allowed = "acquire.trigger.channel: none (the sweep starts after the settling)"
         yield Conflict(
             ("drive.sweep_to", "acquire.trigger.channel"), f"{found} started by a trigger", allowed
         )
@@ -222,7 +231,7 @@ def _sweep(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
 
 
 def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
-    """Coupling and range of every channel."""
+    """Yield mistakes in coupling and range of each channel, and in the trigger's channel."""
     spec = _known_analyzer(acquire.analyzer)
     for name in (item.name for item in fields(acquire.coupling)):
         sensor, coupling = getattr(acquire.sensors, name), getattr(acquire.coupling, name)
@@ -253,7 +262,7 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
     for name in (item.name for item in fields(acquire.ranges)):
         volts = getattr(acquire.ranges, name)
         if volts == "auto" and drive.mode == "shaker":
-            found = "auto in shaker-coupled drive, where no look ahead is made"
+            found = "auto in shaker-coupled drive, where no dry run is made"
             yield Conflict((f"acquire.ranges.{name}", "drive.mode"), found, "a range in V")
         if spec is not None and isinstance(volts, float) and volts not in spec.ranges:
             known = ", ".join(f"{value:g} V" for value in spec.ranges)
@@ -265,15 +274,16 @@ def _inputs(drive: Drive, acquire: Acquire) -> Iterator[Conflict]:
 
 @cache
 def _known_analyzer(name: str) -> AnalyzerSpec | None:
+    """Return an analyzer of the catalog, None for an unknown name (which `_names` reports)."""
     return analyzer(name) if name in (*names("analyzer"), IDEAL) else None
 
 
 FOUND = ("scene.layers.rows", "acquire.settle", "acquire.record")
-"""Fields that `fidelity: auto` finds."""
+"""Fields that `fidelity: auto` chooses for each condition."""
 
 
 def unfit(protocol: Protocol) -> Iterator[Conflict]:
-    """What does not go with the protocol's `fidelity`."""
+    """Yield every field that is not compatible with the protocol's `fidelity`."""
     if protocol.fidelity != "auto":
         if protocol.tolerance is not None:
             found = f"{protocol.tolerance:g} with fidelity {protocol.fidelity}"
@@ -286,19 +296,13 @@ def unfit(protocol: Protocol) -> Iterator[Conflict]:
         return
     for axis in protocol.vary:
         for column, path in enumerate(axis.paths):
-            parts = [name[len(path) + 1 :] for name in FOUND if f"{name}.".startswith(f"{path}.")]
-            kept = {
-                tuple(attrgetter(part)(row[column]) for part in parts if part) for row in axis.rows
-            }
-            if "" in parts or len(kept) > 1:
+            if _varies_a_found_field(path, [row[column] for row in axis.rows]):
                 found = f"{path} varied with fidelity auto, which finds {' and '.join(FOUND)}"
                 yield Conflict(
                     (path, "fidelity"), found, "an axis over other fields, or fidelity: as_written"
                 )
-    modes = {
-        protocol.drive.mode,
-        *(value for path, value in _varied(protocol) if path == "drive.mode"),
-    }
+    modes = {protocol.drive.mode}
+    modes |= {value for path, value in _varied(protocol) if path == "drive.mode"}
     modes |= {value.mode for path, value in _varied(protocol) if path == "drive"}
     for mode in sorted(modes - {"prescribed"}):
         found = f"the drive {mode} with fidelity auto, which looks at beds in a programmed motion"
@@ -312,23 +316,34 @@ def unfit(protocol: Protocol) -> Iterator[Conflict]:
         )
 
 
+def _varies_a_found_field(path: str, values: Sequence[Any]) -> bool:
+    """Return whether the values of an axis differ in a field that `fidelity: auto` chooses.
+
+    An axis may hold a whole group (path `acquire`) whose values agree in these fields.
+    """
+    inside = [name[len(path) + 1 :] for name in FOUND if f"{name}.".startswith(f"{path}.")]
+    if "" in inside:  # the axis is over the field itself
+        return True
+    return len({tuple(attrgetter(part)(value) for part in inside) for value in values}) > 1
+
+
 def _varied(protocol: Protocol) -> Iterator[tuple[str, Any]]:
-    """Every path that varies with each of its values."""
+    """Yield every path of the grid's axes with each of its values."""
     for axis in protocol.vary:
         for row in axis.rows:
             yield from zip(axis.paths, row, strict=True)
 
 
 def misfits(
-    practice: DeliberateError, scene: Scene, drive: Drive, acquire: Acquire
+    error: DeliberateError, scene: Scene, drive: Drive, acquire: Acquire
 ) -> Iterator[Conflict]:
-    """Everything that keeps a deliberate error from being made in this condition."""
-    if len(practice.kinds) > 1:
+    """Yield every reason why a deliberate error cannot be made in this condition."""
+    if len(error.kinds) > 1:
         yield Conflict(
-            ("deliberate_error",), " and ".join(practice.kinds), "one deliberate error at most"
+            ("deliberate_error",), " and ".join(error.kinds), "one deliberate error at most"
         )
-    if practice.kind is not None and drive.mode == "shaker":
-        found = f"the deliberate error {practice.kind} in shaker-coupled drive"
+    if error.kind is not None and drive.mode == "shaker":
+        found = f"the deliberate error {error.kind} in shaker-coupled drive"
         yield Conflict(
             ("deliberate_error", "drive.mode"),
             found,
@@ -336,33 +351,31 @@ def misfits(
         )
     sensor = acquire.sensors.acceleration
     known = sensor in sensors_for("acceleration")
-    if practice.pole is not None and (
-        sensor == IDEAL or (known and transducer(sensor).time_constant is None)
-    ):
+    without_pole = sensor == IDEAL or (known and transducer(sensor).time_constant is None)
+    if error.pole is not None and without_pole:
         found = f"a pole of {sensor}, which has none"
         yield Conflict(
             ("deliberate_error.pole", "acquire.sensors.acceleration"),
             found,
             "a sensor with a time constant",
         )
-    if (
-        practice.cycles is not None
-        and not math.ceil(practice.cycles) <= acquire.record <= LONGEST_READING
+    if error.cycles is not None and not (
+        math.ceil(error.cycles) <= acquire.record <= LONGEST_READING
     ):
         allowed = f"acquire.record from the next whole number of cycles to {LONGEST_READING} cycles"
         yield Conflict(
             ("deliberate_error.cycles", "acquire.record"),
-            f"{practice.cycles:g} of {acquire.record} cycles",
+            f"{error.cycles:g} of {acquire.record} cycles",
             allowed,
         )
-    if practice.corners is not None and acquire.exciter_channels:
+    if error.corners is not None and acquire.exciter_channels:
         found = "force and acceleration AC coupled beside the exciter's channels"
         yield Conflict(
             ("deliberate_error.corners", "acquire.exciter_channels"),
             found,
             "acquire.exciter_channels: false",
         )
-    if practice.friction and not ("mount" in scene.losses and scene.support == "guide"):
+    if error.friction and not ("mount" in scene.losses and scene.support == "guide"):
         found = f"losses {', '.join(scene.losses) or 'none'} on support {scene.support}"
         paths = ("deliberate_error.friction", "scene.losses", "scene.support")
         yield Conflict(paths, found, "the loss mount on the support guide")

@@ -1,5 +1,5 @@
-"""From a protocol to its conditions: the grid, every value resolved, and what only values together
-can get wrong.
+"""The conditions of a protocol: every point of its grid, resolved and checked for fields that do
+not fit together.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.documents.notes import Notes, Unreadable, node_of
 from daq.documents.shapes import Shape, plain
-from rig.errors import InputError, Mistake, in_order
+from rig.errors import InputError, Mistake, in_order, quote
 from rig.protocol.claims import expect_shape, plain_expect
 from rig.protocol.fault_list import faults_shape, plain_faults
 from rig.protocol.feasibility import conflicts, misfits, unfit
@@ -38,12 +38,14 @@ CHECKED = (
 )
 
 Row = Mapping[str, int]
-"""Path -> the row of its axis that a condition takes."""
+"""Path -> index of its value on its axis, at one point of the grid."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point of the grid: its row on each axis and the three parts of the experiment there."""
+    """One point of the grid: the index of each path's value, and the three parts of the experiment
+    with these values.
+    """
 
     rows: Row
     scene: Scene
@@ -52,15 +54,20 @@ class Point:
 
 
 def conditions(protocol: Protocol) -> tuple[Condition, ...]:
-    """Return every condition of the grid, resolved. Raises InputError with every value out of
-    range, or all that does not fit."""
+    """Return every condition of the grid, resolved.
+
+    Raises InputError with every value out of range or, where there is none, with every combination
+    of values that cannot be run.
+    """
     verify(protocol)
     return expand(protocol)
 
 
 def verify(protocol: Protocol) -> None:
-    """Check a protocol that was built in Python: InputError for every value that a file could not
-    hold.
+    """Check a protocol that was built in Python.
+
+    Each part is written as plain data and read by the shape that reads a file. Raises InputError
+    with every value that a file could not hold.
     """
     whole = keys_of(Protocol).every()
     written: dict[str, tuple[Shape, Any]] = {
@@ -82,10 +89,13 @@ def expand(
     place: Callable[[str, Row], str] = lambda _path, _rows: "",
     failed: frozenset[str] = frozenset(),
 ) -> tuple[Condition, ...]:
-    """Every condition of the grid, the last axis fastest, densities resolved.
+    """Return every condition of the grid, the last axis fastest, densities resolved.
 
-    `place` says where the value of a path was written; a check that involves a `failed` path is
-    left out, because that path's value is not the user's. Raises InputError with every mistake.
+    Raises InputError with every mistake.
+
+    place : returns where the value of a path was written
+    failed : paths whose value could not be read. They hold defaults, not the user's values, so that
+        checks that involve them are left out.
     """
     runs = math.prod(len(axis.rows) for axis in protocol.vary) * protocol.repeats.n
     if runs > MAX_RUNS:
@@ -101,6 +111,7 @@ def expand(
     seen: dict[tuple[Scene, Drive, Acquire], Point] = {}
     points = []
     materials: dict[str, Material | None] = {}
+    named: dict[str, str | Material] = {}
     for point in _points(protocol):
         found = conflicts(point.scene, point.drive, point.acquire)
         for conflict in (
@@ -114,7 +125,11 @@ def expand(
                         where, conflict.paths[0], conflict.found, conflict.allowed, conflict.hint
                     )
                 ] = None
-        point = replace(point, scene=_with_density(point.scene, materials))
+        for path, name in _namesakes(point.scene, named):
+            said = f"another material named {quote(name)}"
+            where = place(path, point.rows)
+            mistakes[Mistake(where, path, said, "one material for each name")] = None
+        point = replace(point, scene=_with_densities(point.scene, materials))
         content = (point.scene, point.drive, point.acquire)
         if content in seen and not failed:
             mistakes[_repeated(point, seen[content], protocol, place)] = None
@@ -136,6 +151,7 @@ def expand(
 
 
 def _points(protocol: Protocol) -> Iterator[Point]:
+    """Yield every point of the grid, the last axis fastest."""
     for chosen in itertools.product(*(range(len(axis.rows)) for axis in protocol.vary)):
         parts: dict[str, Any] = {
             "scene": protocol.scene,
@@ -152,8 +168,8 @@ def _points(protocol: Protocol) -> Iterator[Point]:
 
 
 def _with(part: Any, path: str, value: Any) -> Any:
-    """A frozen dataclass with the value at a dotted path replaced; the whole of it for an empty
-    path.
+    """Return a frozen dataclass with the value at a dotted path replaced; an empty path replaces
+    the whole.
     """
     if not path:
         return value
@@ -161,27 +177,51 @@ def _with(part: Any, path: str, value: Any) -> Any:
     return replace(part, **{name: _with(getattr(part, name), rest, value)})
 
 
-def _with_density(scene: Scene, known: dict[str, Material | None]) -> Scene:
-    if scene.grains.density is not None:
-        return scene
-    name = scene.grains.material
-    if name not in known:
+def _with_densities(scene: Scene, known: dict[str, Material | None]) -> Scene:
+    """Return the scene with the densities of its materials where it states none.
+
+    A box whose material is the rig's has none. `known` keeps the materials looked up so far; an
+    unknown one is None and leaves the scene as it is, because its name is reported elsewhere.
+    """
+    changed: dict[str, Any] = {}
+    for name in ("grains", "cavity"):
+        part = getattr(scene, name)
+        found = _looked_up(part.material, known) if part.density is None else None
+        if found is not None:
+            changed[name] = replace(part, density=found.density)
+    return replace(scene, **changed) if changed else scene
+
+
+def _namesakes(scene: Scene, named: dict[str, str | Material]) -> Iterator[tuple[str, str]]:
+    """Yield path and name of each material whose name another one has already; `named` keeps the
+    materials seen so far.
+    """
+    for path, found in (
+        ("scene.grains.material", scene.grains.material),
+        ("scene.cavity.material", scene.cavity.material),
+    ):
+        if found is not None and named.setdefault(str(found), found) != found:
+            yield path, str(found)
+
+
+def _looked_up(named: str | Material | None, known: dict[str, Material | None]) -> Material | None:
+    """Return a scene's material, None for one that is not in the catalog."""
+    if not isinstance(named, str):
+        return named
+    if named not in known:
         from rig.catalog.entries_by_name import material, names
 
-        known[name] = material(name) if name in names("material") else None
-    found = known[name]
-    return (
-        scene
-        if found is None
-        else replace(scene, grains=replace(scene.grains, density=found.density))
-    )
+        known[named] = material(named) if named in names("material") else None
+    return known[named]
 
 
 def _repeated(
     point: Point, first: Point, protocol: Protocol, place: Callable[[str, Row], str]
 ) -> Mistake:
-    """The mistake of two equal conditions, placed at a value in which the second differs from the
-    first.
+    """Return the mistake of two equal conditions.
+
+    Its place is that of the first value with another index on its axis: one content may be written
+    in two ways, such as 1 and 100 %.
     """
     for axis in protocol.vary:
         path = axis.paths[0]

@@ -1,5 +1,6 @@
-"""Protocols: YAML to a frozen Protocol and back, strictly. Every mistake of a file is reported at
-once.
+"""Read a protocol from YAML, strictly, and write it back; its JSON Schema.
+
+Every mistake of a file is reported at once.
 """
 
 from __future__ import annotations
@@ -8,14 +9,17 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
+from operator import attrgetter, getitem
 from pathlib import Path
 from typing import Any
 
-from daq.documents.grammar import keys_of, paths_of
+from daq.documents.classes import keys_of, paths_of
+from daq.documents.json_schema import document_schema
 from daq.documents.notes import Node, Notes, Unreadable
 from daq.documents.shapes import Keys, Shape, Text, Then, one_of, plain
 from rig.catalog.entries_by_name import HERE
+from rig.catalog.own_materials import OwnMaterials
 from rig.catalog.rig_file import is_path, rig_path
 from rig.documents.former_names import FORMER_NAMES
 from rig.documents.yaml_reader import read_file, read_yaml
@@ -34,12 +38,17 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}", re.ASCII)
 _NAMING = (
     "at most 80 letters, digits, _, - and ., starting with a letter or digit (it names a folder)"
 )
+YOUNGER = ("scene.cavity.material", "scene.cavity.density")
+"""Fields that came after sessions and reports had been written: left out where they have their
+defaults, so that old sessions can be resumed and old reports keep their bytes.
+"""
+_DEFAULTS = Protocol(name="")
 
 
 @dataclass(frozen=True)
 class LoadedProtocol:
-    """A protocol, the text it was written as (before any change from the command line) and its
-    file, if any.
+    """A protocol, its text as written (before any change from the command line), and its file, None
+    for a text.
     """
 
     protocol: Protocol
@@ -54,11 +63,14 @@ def load_protocol(
     seed: int | None = None,
     rig: str | None = None,
 ) -> Protocol:
-    """The protocol of a file, of a shipped name (`fill_rate`), or of a text (several lines, or a
-    brace first).
+    """Return the protocol of a file, of a shipped name (`fill_rate`), or of a text.
 
-    `sets` and `varies` are changes such as "scene.bed=empty" and "scene.grains.fill=[0.5, 0.9]";
-    `seed` and `rig` replace the protocol's. Raises InputError with every mistake in it.
+    A string of several lines, or one that starts with a brace, is a text. Raises InputError with
+    every mistake.
+
+    sets : changes of values, such as "scene.bed=empty"
+    varies : axes of the grid to add or replace, such as "scene.grains.fill=[0.5, 0.9]"
+    seed, rig : replace the protocol's
     """
     return read_protocol(source, sets, varies, seed, rig).protocol
 
@@ -70,7 +82,7 @@ def read_protocol(
     seed: int | None = None,
     rig: str | None = None,
 ) -> LoadedProtocol:
-    """As load_protocol, with the verbatim text and the file beside the protocol."""
+    """Return the protocol as `load_protocol` does, with its verbatim text and its file."""
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
         path, text, name = None, source, "protocol"
     else:
@@ -78,13 +90,18 @@ def read_protocol(
         if isinstance(source, str) and not os.path.lexists(path) and "\0" not in source:
             raise _no_file(source)
         text, name = read_file(path), str(path)
-    notes = Notes(known=tuple(paths_of(Protocol)), renamed=FORMER_NAMES)
+    beside = path.parent if path is not None else Path()
+    notes = Notes(
+        known=tuple(paths_of(Protocol)), renamed=FORMER_NAMES, meaning=OwnMaterials(beside)
+    )
     root = edited(read_yaml(text, name, notes.mistakes), sets, varies, seed, rig)
-    folder = path.parent if path is not None and rig is None else Path()
+    # A rig file is looked for beside the protocol; one from the command line, where one works.
+    folder = beside if rig is None else Path()
     return LoadedProtocol(_read(root, folder, notes), text, path)
 
 
 def _no_file(source: str) -> InputError:
+    """Return the error for a source that is neither a file nor a shipped name."""
     names, hint = ", ".join(shipped.names()), shipped.hint(source)
     if NAME.fullmatch(source) and not source.endswith((".yaml", ".yml")):
         found = f"no file and no shipped protocol {quote(source)}"
@@ -93,14 +110,20 @@ def _no_file(source: str) -> InputError:
 
 
 def dump_protocol(protocol: Protocol) -> str:
-    """The YAML text of a protocol, every field written out; load_protocol reads it back to an equal
-    protocol.
+    """Return the YAML text of a protocol, every field written out.
+
+    `load_protocol` reads it back to an equal protocol. `fidelity`, `tolerance`, `deliberate_error`
+    and the fields of `YOUNGER` are left out where they have their defaults.
     """
     data: dict[str, Any] = {"schema": protocol.schema, "rig": protocol.rig, "name": protocol.name}
     data["question"] = protocol.question
     data |= {
         name: plain(keys_of(Protocol).every()[name], getattr(protocol, name)) for name in PARTS
     }
+    for path in YOUNGER:
+        *groups, name = path.split(".")
+        if attrgetter(path)(protocol) == attrgetter(path)(_DEFAULTS):
+            del reduce(getitem, groups, data)[name]
     data["vary"] = plain_axes(protocol.vary)
     data["repeats"] = plain(keys_of(Repeats), protocol.repeats)
     data |= {
@@ -119,13 +142,14 @@ def dump_protocol(protocol: Protocol) -> str:
 
 
 def protocol_template() -> str:
-    """A commented protocol to start from, as `rig init` writes it."""
+    """Return the commented protocol that `rig init` writes."""
     return read_file(HERE / "templates" / "protocol.yaml")
 
 
 def protocol_shape(folder: Path, axes: Axes) -> Keys:
-    """The shape of a protocol file in a folder; the axes of its grid are added to `axes`."""
+    """Return the shape of a protocol file in a folder; reading adds the grid's axes to `axes`."""
     whole = keys_of(Protocol)
+    # Fields that are read in another way than their annotations say.
     others: dict[str, Shape] = {
         "rig": Then(Text(as_written=True), partial(_rig, folder)),
         "vary": axes_shape(axes),
@@ -144,7 +168,18 @@ def protocol_shape(folder: Path, axes: Axes) -> Keys:
     )
 
 
+def protocol_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a protocol file.
+
+    It accepts more than the reader: checks over several fields (levels in the grid, bed and axis)
+    and ranges of numbers that are written as text with a unit are left to `rig check`.
+    """
+    shape = protocol_shape(Path(), Axes())
+    return document_schema(shape, f"Protocol of the particle-damper rig, {SCHEMA}")
+
+
 def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
+    """Return the protocol of a tree: read each field, then check the fields taken together."""
     axes = Axes()
     try:
         protocol: Protocol = protocol_shape(folder, axes).read(root, "", notes)
@@ -152,6 +187,7 @@ def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
         raise InputError(*in_order(notes.mistakes)) from None
 
     def place(path: str, rows: Row) -> str:
+        """Return where the value of a path was written: on its axis, or at the field itself."""
         for axis_path, row in rows.items():
             if path == axis_path or path.startswith(f"{axis_path}."):
                 return axes.places[axis_path][row]
@@ -159,7 +195,8 @@ def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
 
     mistakes = list(notes.mistakes)
     try:
-        mistakes += misplaced(protocol, expand(protocol, place, _spread(notes.failed)), notes)
+        found = expand(protocol, place, _with_fields_inside(notes.failed))
+        mistakes += misplaced(protocol, found, notes)
     except InputError as error:
         mistakes += error.mistakes
     if mistakes:
@@ -167,16 +204,18 @@ def _read(root: Node, folder: Path, notes: Notes) -> Protocol:
     return protocol
 
 
-def _spread(failed: set[str]) -> frozenset[str]:
-    """Failed paths and every path below them: none of those values is the user's."""
-    below = (
-        path for path in paths_of(Protocol) if any(path.startswith(f"{top}.") for top in failed)
-    )
-    return frozenset(failed.union(below))
+def _with_fields_inside(failed: set[str]) -> frozenset[str]:
+    """Return failed paths and every path inside them: all of these hold defaults, not the user's
+    values.
+    """
+    tops = tuple(f"{top}." for top in failed)
+    return frozenset(failed.union(path for path in paths_of(Protocol) if path.startswith(tops)))
 
 
 def _rig(folder: Path, name: str, node: Node, path: str, notes: Notes) -> str:
-    """The rig's name; a path is taken from the protocol's own folder."""
+    """Return a rig's name, a path taken from the protocol's own folder; note a rig that is not
+    there.
+    """
     if is_path(name):
         name = str(folder / name)
     try:

@@ -1,4 +1,6 @@
-"""Changes from the command line to a protocol's tree: `path=value` replaces, `path=list` varies."""
+"""Apply the changes of the command line to a protocol's tree: `--set path=value` replaces a value,
+`--vary path=list` adds or replaces an axis of the grid.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,9 @@ def edited(
     seed: int | None = None,
     rig: str | None = None,
 ) -> Node:
-    """The tree with every change made; a value that is set is no longer varied. Raises InputError
-    for the forms.
+    """Return the tree with every change made; a value that is set is no longer varied.
+
+    Raises InputError for every change that is not `path=value`.
     """
     root = _with_repeats_as_mapping(root)
     mistakes: list[Mistake] = []
@@ -38,7 +41,7 @@ def edited(
 
 
 def _with_repeats_as_mapping(root: Node) -> Node:
-    """The tree with `repeats: 4` written as `repeats: {n: 4}`, so that its parts have paths."""
+    """Return the tree with `repeats: 4` written as `repeats: {n: 4}`, so that its parts have paths."""
     repeats = root.value.get("repeats") if isinstance(root.value, dict) else None
     if repeats is None or not isinstance(repeats.value, int) or isinstance(repeats.value, bool):
         return root
@@ -47,6 +50,7 @@ def _with_repeats_as_mapping(root: Node) -> Node:
 
 
 def _changed(root: Node, option: str, change: str) -> Node:
+    """Return the tree with one change made; `--set vary.path=list` is `--vary path=list`."""
     place = f"{option} {change if len(change) <= 60 else change[:57] + '...'}"
     path, equals, text = change.partition("=")
     names = path.strip().split(".")
@@ -61,7 +65,7 @@ def _changed(root: Node, option: str, change: str) -> Node:
 
 
 def _put(node: Node, names: Sequence[str], value: Node) -> Node:
-    """The tree with a value at a path; mappings on the way that nobody wrote are made."""
+    """Return the tree with a value at a path; missing mappings on the way are created."""
     name, *rest = names
     if node.value is not None and not isinstance(node.value, dict):
         raise InputError(
@@ -77,7 +81,7 @@ def _put(node: Node, names: Sequence[str], value: Node) -> Node:
 
 
 def _varied(root: Node, path: str, value: Node) -> Node:
-    """The tree with an axis replaced where it stands, or added as the last one."""
+    """Return the tree with an axis replaced in its position, or added as the last one."""
     for names in _axes(root):
         if names[-1] == path:
             return _put(root, names, value)
@@ -85,7 +89,7 @@ def _varied(root: Node, path: str, value: Node) -> Node:
 
 
 def _unvaried(root: Node, path: str) -> Node:
-    """The tree without the axis of a path."""
+    """Return the tree without the axis of a path."""
     for names in _axes(root):
         if names[-1] == path:
             return _without(root, names)
@@ -93,6 +97,7 @@ def _unvaried(root: Node, path: str) -> Node:
 
 
 def _without(node: Node, names: Sequence[str]) -> Node:
+    """Return the tree without the entry at a path, and without mappings that this leaves empty."""
     name, *rest = names
     entries = dict(node.value) if isinstance(node.value, dict) else {}
     shrunk = _without(entries[name], rest) if rest else None
@@ -104,11 +109,11 @@ def _without(node: Node, names: Sequence[str]) -> Node:
 
 
 def _axes(root: Node) -> Iterator[tuple[str, ...]]:
-    """The key path of every axis: ("vary", path) or ("vary", "zip", path)."""
+    """Yield the keys that lead to each axis: ("vary", path) or ("vary", "zip", path)."""
     vary = root.value.get("vary") if isinstance(root.value, dict) else None
-    for key, node in (
-        vary.value.items() if vary is not None and isinstance(vary.value, dict) else ()
-    ):
+    if vary is None or not isinstance(vary.value, dict):
+        return
+    for key, node in vary.value.items():
         if ZIP.fullmatch(key) and isinstance(node.value, dict):
             yield from (("vary", key, path) for path in node.value)
         else:

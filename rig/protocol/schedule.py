@@ -1,4 +1,4 @@
-"""From a protocol's conditions to its runs: their order, and the samples of each."""
+"""The runs of a protocol's conditions: their order of execution and their numbers of samples."""
 
 import math
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ BLOCK = 16384
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a condition, its repeat (from 1) and its place in the randomised order of execution
-    (from 1).
+    """One run: its condition, its repeat and its position in the randomised order of execution,
+    both counted from 1.
     """
 
     name: str
@@ -26,8 +26,12 @@ class Run:
 
 @dataclass(frozen=True)
 class Lengths:
-    """A run's record: output rate in Hz, samples per channel before and in all, and the sizes of
-    its blocks.
+    """Size of a run's record.
+
+    rate : output rate, Hz
+    settle : samples per channel before the record
+    samples : samples per channel in all
+    blocks : samples per channel of each block, settling and record in blocks of their own
     """
 
     rate: float
@@ -37,8 +41,10 @@ class Lengths:
 
 
 def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]:
-    """Every condition x repeat, named in the order written; the order of execution is drawn from
-    the seed.
+    """Return a run for every condition and repeat, named in the order written.
+
+    The order of execution is drawn from the protocol's seed, so that drift and wear of a session
+    are not mistaken for an effect of the conditions.
     """
     count = len(conditions) * protocol.repeats.n
     order = stream(protocol.seed, "order").permutation(count) + 1
@@ -54,8 +60,13 @@ def runs(protocol: Protocol, conditions: Sequence[Condition]) -> tuple[Run, ...]
 
 
 def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -> Lengths:
-    """Rate and samples of a condition: the slowest listed rate that gives the samples per cycle
-    that were asked for; a cycle more where a trigger starts the record anywhere in one."""
+    """Return rate and numbers of samples of a condition's record.
+
+    The rate is the analyzer's slowest that gives the samples per cycle asked for. A triggered
+    record gets one cycle more, because the trigger may come anywhere in a cycle.
+
+    filter_delay : delay of the anti-alias filter, in samples
+    """
     acquire, drive = condition.acquire, condition.drive
     rate = analyzer.rate_for(drive.fastest, acquire.samples_per_cycle)
     per_cycle = rate / drive.frequency
@@ -63,9 +74,10 @@ def lengths(condition: Condition, analyzer: AnalyzerSpec, filter_delay: float) -
     record = drive.swept_time(acquire.record) * drive.frequency  # in cycles of the first frequency
     samples = math.ceil((acquire.settle + record) * per_cycle + filter_delay) + 1
     if acquire.trigger.channel != "none":
-        samples += math.ceil(per_cycle)  # whole cycles from the first that starts after the record
+        samples += math.ceil(per_cycle)  # whole cycles are read from the first that begins in it
     return Lengths(rate, settle, samples, (*_pieces(settle), *_pieces(samples - settle)))
 
 
 def _pieces(samples: int) -> list[int]:
+    """Return the sizes of the blocks that hold `samples` samples."""
     return [min(BLOCK, samples - start) for start in range(0, samples, BLOCK)]

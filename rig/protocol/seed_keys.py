@@ -1,8 +1,8 @@
-"""What seeds a condition's random streams: a hash of its content, under the names of the project's
-first edition.
+"""Hash the content of a condition to the key that seeds its random streams.
 
-The names below are frozen. A field that is renamed changes the right side of its line and no more,
-so that every bed stays the same bed; a new field joins `LATER`.
+The content is written under the names of the project's first edition, which are frozen below: a
+renamed field changes the right side of its line only, so that every seed still gives the same bed.
+A new field is added to `LATER`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from operator import attrgetter
 from typing import Any
 
+from rig.catalog.entries import Material
 from rig.protocol.spec import Drive, Scene
 
 SCENE: Mapping[str, str] = {
@@ -40,22 +41,26 @@ SCENE: Mapping[str, str] = {
 LATER: Mapping[str, tuple[str, Any]] = {
     "slug.start": ("single_mass.start", 0.0),
     "slug.velocity": ("single_mass.velocity", 0.0),
+    "cavity.material": ("cavity.material", None),
+    "cavity.density": ("cavity.density", None),
 }
-"""The same for fields younger than the first seeds, with the value that stands for what was before:
-it is no content, so that a new field reseeds no old protocol."""
+"""The same for fields added after the first seeds, with the value that describes the behaviour
+before the field existed. A field with that value is left out of the hash, so that a new field
+reseeds no old protocol.
+"""
 
 BEDS: Mapping[str, str] = {"single_mass": "slug"}
 """Bed today -> its name in the first edition, where that was another."""
 
 NO_CONTENT = ("losses", "support")
-"""Fields of `Scene` that seed nothing: the same bed is seen with other losses."""
+"""Fields of `Scene` that are not hashed: the same bed is measured with other losses."""
 
 
 def seed_key(scene: Scene, drive: Drive) -> str:
-    """Return the SHA-256, hex, of the content that seeds a condition's streams.
+    """Return the SHA-256, in hexadecimal, of the content that seeds a condition's random streams.
 
-    Left out are losses, support, all of the drive but its level and frequency, and the acquisition,
-    so that the same bed is seen through other drives and instruments.
+    Losses, support, acquisition, and of the drive all but level and frequency are left out, so that
+    the same bed is measured with other drives and instruments.
     """
     content = {name: _as_float(attrgetter(path)(scene)) for name, path in SCENE.items()}
     content["bed"] = BEDS.get(scene.bed, scene.bed)
@@ -64,6 +69,7 @@ def seed_key(scene: Scene, drive: Drive) -> str:
         if value != before:
             content[name] = _as_float(value)
     frequency, acceleration = _as_float(drive.frequency), _as_float(drive.acceleration)
+    # "servo" for every drive: it was the only mode when the first seeds were made.
     level = {"mode": "servo", "frequency": frequency, "acceleration": acceleration}
     text = json.dumps(
         {"scene": _nested(content), "drive": level}, sort_keys=True, separators=(",", ":")
@@ -72,16 +78,18 @@ def seed_key(scene: Scene, drive: Drive) -> str:
 
 
 def _as_float(value: Any) -> Any:
-    """A number as a float, so that 1 and 1.0 seed alike; anything else as it is."""
-    return (
-        float(value) + 0.0
-        if isinstance(value, int | float) and not isinstance(value, bool)
-        else value
-    )
+    """Return a number as a float, so that 1 and 1.0 give one seed; a material's name, so that its
+    elastic constants change no bed; anything else as it is.
+    """
+    if isinstance(value, Material):
+        return value.name
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    return float(value) + 0.0  # -0.0 + 0.0 is 0.0: one seed for both zeros
 
 
 def _nested(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Values under dotted names as groups within groups."""
+    """Return values under dotted names as nested mappings: {"a.b": 1} as {"a": {"b": 1}}."""
     groups: dict[str, Any] = {}
     for name, value in content.items():
         group, _, field = name.rpartition(".")

@@ -1,4 +1,4 @@
-"""The shipped protocols by name: `rig run fill_rate` works outside a checkout too."""
+"""The shipped protocols by name, so that `rig run fill_rate` works outside a checkout too."""
 
 import os
 from pathlib import Path
@@ -17,7 +17,7 @@ def folder() -> Path:
 
 
 def names() -> list[str]:
-    """Return the names of all shipped protocols, `gallery/skew` for one in a folder."""
+    """Return the names of all shipped protocols; one in a folder reads `gallery/skew`."""
     place = folder()
     return sorted(
         path.relative_to(place).with_suffix("").as_posix() for path in place.rglob("*.yaml")
@@ -25,8 +25,8 @@ def names() -> list[str]:
 
 
 def protocol_path(source: str | Path) -> Path:
-    """Return the file that a protocol is asked for by: a file's own path comes first, then a
-    shipped name.
+    """Return the path of a protocol given by path or by shipped name; an existing file comes
+    first.
     """
     name = str(source)
     if not os.path.isfile(name) and name in names():
@@ -35,8 +35,9 @@ def protocol_path(source: str | Path) -> Path:
 
 
 def hint(name: str) -> str:
-    """Return the hint for a file that is not there: the shipped protocol of this or the nearest
-    name, or "".
+    """Return the hint for a file that does not exist, "" for none.
+
+    It names the shipped protocol that had this name before, or the one of the nearest name.
     """
     bare = (
         name.replace("\\", "/")
@@ -45,5 +46,8 @@ def hint(name: str) -> str:
         .removesuffix(".yml")
     )
     stem = bare.rpartition("/")[2]
-    now = (new_name(one, names(), FORMER_PROTOCOLS) for one in (bare, stem))
-    return next(filter(None, now), "") or nearest(bare, names())
+    for former in (bare, stem):
+        renamed = new_name(former, names(), FORMER_PROTOCOLS)
+        if renamed:
+            return renamed
+    return nearest(bare, names())

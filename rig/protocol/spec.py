@@ -1,5 +1,9 @@
-"""What is tested and how: SI numbers, no files. The annotations are the protocol's grammar:
-meaning, unit and range of every field stand here once and the strict reader checks against them."""
+"""The experiment as typed data: numbers in SI units, no files.
+
+The annotations are the grammar of protocols: type, unit and range of each field are written here
+once. The strict reader checks a file against them; JSON Schema and docs/fields.md are made from
+them, and a class's docstring is its description in the schema.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,8 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from daq.documents.shapes import one_of, some_of
+from rig.catalog.entries import Material
+from rig.catalog.stated_values import MATERIAL
 from rig.protocol.deliberate_errors import NO_DELIBERATE_ERROR, DeliberateError
 from rig.protocol.faults import Fault
 from rig.units import Quantity
@@ -15,7 +21,7 @@ from rig.units import Quantity
 SCHEMA = "rig/protocol/1"
 BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "grains", "loop_back")
 BUILT_BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "loop_back")
-LOOP_BACK = "loop_back"  # no bed: the box stands by empty, and one voltage is led to all inputs
+LOOP_BACK = "loop_back"  # no bed: the box is empty and one voltage is connected to all inputs
 HORIZONTAL_ONLY_BEDS = ("layers",)
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("prescribed", "shaker")
@@ -37,35 +43,41 @@ Approach = Literal["below", "above"]
 Coupled = Literal["DC", "AC", "IEPE"]
 Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
 Fidelity = Literal["as_written", "auto"]
+Density = Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)]
 
 
 @dataclass(frozen=True)
 class Cavity:
-    """Inner sizes of the box and its wall thickness, m; `length` lies along a horizontal drive
-    axis.
+    """Inner dimensions of the box and its wall thickness, m. `length` lies along the drive axis
+    where that is horizontal. Material of the walls: a name or one's own values; null is that of the
+    rig, whose `wall_density` is carbon steel's. `density` in kg/m^3 replaces the material's.
     """
 
     length: Size = 0.15
     width: Size = 0.15
     height: Size = 0.4
     wall: Small = 0.005
+    material: Annotated[str | Material | None, MATERIAL] = None
+    density: Density = None
 
 
 @dataclass(frozen=True)
 class Grains:
-    """Balls: catalog material, diameter in m, fill as a fraction of the cavity's volume; `density`
-    in kg/m^3 overrides the catalog's (None until conditions are built)."""
+    """Balls: material, a name or one's own values; diameter in m, fill as a fraction of the
+    cavity's volume. `density` in kg/m^3 replaces the material's; null takes the material's when the
+    conditions are built."""
 
-    material: str = "stainless"
+    material: Annotated[str | Material, MATERIAL] = "stainless"
     diameter: Small = 0.004
     fill: Fraction = 0.85
-    density: Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)] = None
+    density: Density = None
 
 
 @dataclass(frozen=True)
 class Layers:
-    """Bed `layers` (model.md, layers variant): mean clearance in units of dl, its relative spread,
-    strata per layer.
+    """Bed `layers` (docs/model.md): mean clearance in units of dl, relative spread of the clearance
+    over the rows of a layer, rows per layer, and whether the layers rub on the two side walls along
+    the drive.
     """
 
     clearance: Annotated[float, Quantity("number", 0.0, 1000.0)] = 1.0
@@ -76,10 +88,10 @@ class Layers:
 
 @dataclass(frozen=True)
 class SingleMass:
-    """Bed `single_mass`, all grains as one mass: restitution at floor, lid and end walls; free gap
-    in m (None = from the fill, "none" = no walls and no lid; a vertical box keeps its floor);
-    friction coefficient of a horizontal box's floor; where the mass starts, m above the floor or
-    end wall (at most the gap), and how fast, m/s against the box."""
+    """Bed `single_mass`, all grains as one mass: coefficient of restitution at floor, lid and end
+    walls; free gap in m (null: from the fill; "none": no walls and no lid, but a vertical box keeps
+    its floor); friction coefficient of the floor of a horizontal box; initial position in m above
+    the floor or from the end wall, at most the gap; initial velocity relative to the box, m/s."""
 
     restitution: Fraction = 0.0
     gap: Annotated[float | Literal["none"] | None, Quantity("length", 0.0, 20.0)] = None
@@ -90,14 +102,14 @@ class SingleMass:
 
 @dataclass(frozen=True)
 class Dashpot:
-    """Bed `dashpot`: a viscous damper to the ground, N s/m."""
+    """Bed `dashpot`: a viscous damper from the box to the ground, damping `c` in N s/m."""
 
     c: Annotated[float, Quantity("damping", 0.0, 1e9)] = 50.0
 
 
 @dataclass(frozen=True)
 class Scene:
-    """The box, what is in it and what else takes energy from it."""
+    """The box, its bed, its support, and the losses besides the bed."""
 
     cavity: Cavity = Cavity()
     axis: Axis = "horizontal"
@@ -112,13 +124,14 @@ class Scene:
 
 @dataclass(frozen=True)
 class Drive:
-    """The motion asked for: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an
-    exact waveform. Shaker-coupled drive: what the amplifier commands; the end of the stinger that
-    the gauge and its mass are fixed to, and the accelerometer (both at the exciter: an impedance
-    head); whether the level is controlled (from `below`, or coming down from `above`; `harmonics`
-    of the acceleration, 1 for the amplitude alone; giving up after `timeout`) or a `command` is
-    held, a share of the amplifier's limit. sweep_to: frequency that the record's cycles sweep to,
-    in a straight line over time; None holds it."""
+    """The drive: frequency in Hz, peak acceleration in m/s^2; `imperfection` none for an exact
+    waveform. The further fields belong to the shaker-coupled drive. `amplifier`: quantity that the
+    amplifier controls. `gauge`, `accelerometer`: end of the stinger where the force gauge (with its
+    mass) and the accelerometer are mounted; both at the exciter make an impedance head. `control`
+    level: the level is controlled, approached from `below` or `above`, with `harmonics` of the
+    acceleration controlled (1: the amplitude alone), and given up after `timeout`. `control` open:
+    `command` is held, a fraction of the amplifier's limit. `sweep_to`: frequency at the end of the
+    record, reached linearly in time; null keeps the frequency constant."""
 
     mode: Mode = "prescribed"
     frequency: Annotated[float, Quantity("frequency", 0.0, 10000.0, above=True)] = 20.0
@@ -136,20 +149,22 @@ class Drive:
 
     @property
     def fastest(self) -> float:
-        """The highest frequency, Hz."""
+        """Return the highest frequency of the record, Hz."""
         return self.frequency if self.sweep_to is None else max(self.frequency, self.sweep_to)
 
     def swept_time(self, cycles: float) -> float:
-        """How long so many cycles of the record last, s."""
-        return cycles / (
-            self.frequency if self.sweep_to is None else 0.5 * (self.frequency + self.sweep_to)
-        )
+        """Return the duration of `cycles` cycles of the record, s.
+
+        A sweep is linear in time, so that its mean frequency is the mean of its two ends.
+        """
+        last = self.frequency if self.sweep_to is None else self.sweep_to
+        return cycles / (0.5 * (self.frequency + last))
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Catalog names of the transducers; "ideal" leaves one out. Voltage and current: of the
-    exciter's coil.
+    """Catalog names of the transducers; "ideal" stands for an error-free one. Voltage and current
+    are those of the exciter's coil.
     """
 
     force: str = "208C03"
@@ -160,8 +175,8 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Coupling:
-    """How the analyzer's inputs are coupled: DC, AC, or IEPE, which feeds the sensor and is AC
-    coupled.
+    """Coupling of the analyzer's inputs: DC, AC, or IEPE (AC coupled, with the sensor's supply
+    current).
     """
 
     force: Coupled = "DC"
@@ -170,8 +185,8 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Ranges:
-    """Input ranges in V, each +- that value: one of the analyzer's, "auto" for the smallest that
-    the look ahead finds large enough, None for the rig file's."""
+    """Input ranges in V, each +- that value: one of the analyzer's; "auto" for the smallest that
+    the dry run before the session finds large enough; null for the rig file's."""
 
     force: Volts = None
     acceleration: Volts = None
@@ -179,9 +194,10 @@ class Ranges:
 
 @dataclass(frozen=True)
 class Trigger:
-    """What starts a record: a channel ("none": the drive's own start) that passes a level, a share
-    of its range; what is kept from before; how long it is waited for. "edge": coming from the other
-    side; "level": being beyond."""
+    """Start of a record: when `channel` passes `level`, a fraction of the channel's range ("none":
+    the record starts with the drive). `kind` edge: the signal crosses the level in the direction of
+    `slope`; level: it is beyond the level. `before`: samples kept from before the trigger.
+    `patience`: cycles after which a run without a trigger is given up."""
 
     channel: Literal["none", "force", "acceleration", "current", "voltage"] = "none"
     level: Annotated[float, Quantity("number", -1.0, 1.0)] = 0.1
@@ -193,9 +209,10 @@ class Trigger:
 
 @dataclass(frozen=True)
 class Acquire:
-    """The acquisition: catalog analyzer, least samples per cycle, cycles to settle and to record;
-    whether coil current and drive voltage are recorded beside force and acceleration. `effects`:
-    what else of the sensors' sheets is simulated."""
+    """The acquisition: catalog analyzer, smallest number of samples per cycle, cycles to settle and
+    to record. `paper_rule`: refuse fewer than 500 samples per cycle. `exciter_channels`: record
+    coil current and drive voltage beside force and acceleration. `effects`: effects of the sensors'
+    data sheets that are simulated in addition."""
 
     analyzer: str = "INV-3118"
     samples_per_cycle: Annotated[int, Quantity("number", 8, 1000000)] = 500
@@ -212,7 +229,7 @@ class Acquire:
 
 @dataclass(frozen=True)
 class Repeats:
-    """Runs per condition; `refill` draws a new packing for each."""
+    """Number of runs per condition; with `refill` the grains are packed anew for each."""
 
     n: Annotated[int, Quantity("number", 1, 10000)] = 4
     refill: bool = True
@@ -220,9 +237,11 @@ class Repeats:
 
 @dataclass(frozen=True)
 class Condition:
-    """One point of the grid with every value resolved. `seed_key` is the content that seeds its
-    random streams: scene without losses and support, level and frequency, no acquisition: changing
-    anything else keeps the bed."""
+    """One point of the grid with every value resolved.
+
+    seed_key : hash of the content that seeds its random streams (rig.protocol.seed_keys). Losses,
+        support and acquisition are no part of it: the bed stays the same when they change.
+    """
 
     id: str
     scene: Scene
@@ -233,9 +252,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Vary:
-    """One axis of the grid: row k of `rows` holds the k-th value of each of `paths`. Several paths
-    vary together.
-    """
+    """One axis of the grid: `rows[k]` holds the k-th value of each of `paths`, which vary together."""
 
     paths: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
@@ -243,10 +260,17 @@ class Vary:
 
 @dataclass(frozen=True)
 class Expect:
-    """A claim to be judged (rig.protocol.claims has the grammar): its words, the kind of test, the
-    path of the field it is about ("" for none), the values named in it, the conditions it is
-    restricted to, the path it is averaged over, the limits fixed beforehand, and why its outcome is
-    imposed ("" where it is not)."""
+    """A claim to be judged; rig.protocol.claims has its grammar.
+
+    claim : the claim in words
+    kind : the kind of test
+    path : of the field that the claim is about, "" for none
+    values : the values of that field that the claim names
+    at : path -> values that restrict the claim to some conditions
+    over : path of the field that ln W is averaged over, "" for none
+    limits : limits fixed before the measurement
+    imposed : reason why the outcome was put in, "" where it was not
+    """
 
     claim: str
     kind: str
@@ -260,16 +284,14 @@ class Expect:
 
 @dataclass(frozen=True)
 class Protocol:
-    """An experiment as written; the grid runs over `vary` in the order written, the last axis
-    fastest.
-
-    fidelity : auto finds rows per layer, settling and record for each condition, so that the error
-        of W per cycle against the fully resolved scene stays within `tolerance` (None: 1 %)
-    """
+    """An experiment as written. The grid has the axes of `vary` in the order written, the last one
+    fastest. With `fidelity` auto, rows per layer, settling and record are chosen for each
+    condition, so that the error of W per cycle against the fully resolved scene stays within
+    `tolerance` (null: 1 %)."""
 
     name: str
     schema: str = SCHEMA
-    rig: str = "paper"
+    rig: str = "clean"
     question: str = ""
     scene: Scene = Scene()
     drive: Drive = Drive()

@@ -1,4 +1,6 @@
-"""The grid's axes in a protocol's tree: one path with its values, or under `zip` several that vary
+"""Read and write the grid's axes, `vary` of a protocol.
+
+An axis is a path with the list of its values, or, under a key `zip`, several paths that vary
 together.
 """
 
@@ -10,15 +12,15 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Any
 
-from daq.documents.grammar import paths_of, shape_at
+from daq.documents.classes import paths_of, shape_at
 from daq.documents.notes import Node, Notes
 from daq.documents.shapes import Keys, List, Then, plain
 from rig.protocol.spec import Protocol, Vary
 
 PARTS = ("scene", "drive", "acquire")
 ZIP = re.compile(r"zip(\.\w+)?")
-"""The keys of `vary` that hold paths which vary together; several groups read zip, zip.2, zip.ends
-and so on.
+"""Keys of `vary` that hold paths which vary together: zip, and for further groups zip.2, zip.ends
+and the like.
 """
 
 NAMES = f"the path of a field under {', '.join(PARTS)}, such as scene.grains.fill"
@@ -26,7 +28,7 @@ NAMES = f"the path of a field under {', '.join(PARTS)}, such as scene.grains.fil
 
 @dataclass
 class Axes:
-    """The axes read so far and the place of every value: path -> row -> place."""
+    """The axes read so far, and where their values were written: path -> row -> `file:line`."""
 
     axes: list[Vary] = field(default_factory=list)
     places: dict[str, list[str]] = field(default_factory=dict)
@@ -34,18 +36,18 @@ class Axes:
 
 @dataclass(frozen=True)
 class Field:
-    """A value of the protocol's field at a path."""
+    """Shape of a value of the protocol's field at `path`; its schema refers to the field's own."""
 
     path: str
 
     def read(self, node: Any, path: str, notes: Notes) -> Any:
-        """As the field is read."""
+        """Return the value, read as the field itself is read."""
         shape = shape_at(Protocol, self.path)
         assert shape is not None
         return shape.read(node, path, notes)
 
     def schema(self, _kinds: dict[str, Any]) -> dict[str, Any]:
-        """A reference to the field's own schema."""
+        """Return a reference to the field's own schema."""
         owner, _, name = self.path.rpartition(".")
         group = shape_at(Protocol, owner) if owner else None
         if not isinstance(group, Keys):
@@ -54,11 +56,12 @@ class Field:
 
 
 def axes_shape(axes: Axes) -> Then:
-    """The shape of `vary`, read into a tuple of axes, which are added to `axes` with the places of
-    their values.
+    """Return the shape of `vary`, which is read into a tuple of axes.
+
+    Reading also adds the axes, with the places of their values, to `axes`.
     """
-    told = "The grid: every combination of the values, the last axis fastest."
-    return Then(_lists(), partial(_read_axes, axes), {"description": told, "default": {}})
+    meaning = "The grid: every combination of the values, the last axis fastest."
+    return Then(_lists(), partial(_read_axes, axes), {"description": meaning, "default": {}})
 
 
 @cache
@@ -76,7 +79,7 @@ def _lists() -> Keys:
 
 
 def plain_axes(axes: Iterable[Vary]) -> dict[str, Any]:
-    """The axes as plain data that are read back in the same order."""
+    """Return the axes as plain data, which are read back in the same order."""
     data: dict[str, Any] = {}
     groups = 0
     for axis in axes:
@@ -93,7 +96,7 @@ def plain_axes(axes: Iterable[Vary]) -> dict[str, Any]:
 
 
 def plain_values(path: str, values: Iterable[Any]) -> list[Any]:
-    """Values of a field as plain data."""
+    """Return values of the field at `path` as plain data."""
     shape = shape_at(Protocol, path)
     return [value if shape is None else plain(shape, value) for value in values]
 
@@ -107,8 +110,9 @@ def _not_empty(lists: Mapping[str, Any], node: Node, path: str, notes: Notes) ->
 def _read_axes(
     axes: Axes, values: Mapping[str, Any], node: Node, path: str, notes: Notes
 ) -> tuple[Vary, ...]:
-    """Every axis in the order written; what does not fit together is noted, its paths as failed,
-    and left out.
+    """Return every axis in the order written.
+
+    An axis whose values do not fit together is left out: the mistake is noted, its paths as failed.
     """
     assert isinstance(node.value, dict)
     for key, entry in node.value.items():
@@ -134,10 +138,12 @@ def _add(
     notes: Notes,
     axes: Axes,
 ) -> None:
-    notes.failed.update(lists.keys() - columns.keys())
+    """Add one axis to `axes`: its paths' nodes are `lists`, their values `columns`."""
+    notes.failed.update(lists.keys() - columns.keys())  # unreadable lists have no column
     seen = list(axes.places)
     for path in columns:
         for other in seen:
+            # The dot keeps drive.level and drive.level_x apart.
             if f"{path}.".startswith(f"{other}.") or f"{other}.".startswith(f"{path}."):
                 found = f"{path} beside {other}"
                 notes.reject(

@@ -96,7 +96,7 @@ class Stand:
         self._bed: Bed = BEDS[scene.bed](scene, rig, filling, self._sampling)
         self._rigid = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass
         gas = gas_damping(scene, rig, filling, motion) if "gas" in scene.losses else 0.0
-        self._losses = losses_of(scene, rig, self._rigid + self._bed.mass, gas)
+        self._losses = losses_of(scene, rig, self._rigid + self._bed.mass, motion.frequency, gas)
         self._lost = self._losses.energies(motion)
         on_gauge = scene.axis == "vertical" and scene.support != "cords"
         self.weight = (self._rigid + self._bed.mass) * rig.gravity if on_gauge else 0.0

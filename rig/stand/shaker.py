@@ -88,7 +88,7 @@ class CoupledStand:
         motion = Waveform(drive.frequency, drive.acceleration)
         gas = gas_damping(scene, rig, filling, motion) if "gas" in scene.losses else 0.0
         carried = box_mass(scene.cavity, rig.wall_density) + rig.gauge_mass + self.bed.mass
-        self.losses: Losses = losses_of(scene, rig, carried, gas)
+        self.losses: Losses = losses_of(scene, rig, carried, drive.frequency, gas)
         self._exciter = rig.exciter
         self._by_current = drive.amplifier == "current"
         self._head = drive.accelerometer == "exciter"

@@ -14,12 +14,15 @@ from rig.drive.losses import (
     LOST,
     Losses,
     by_order,
+    drag_of_box,
     friction_energy,
+    loss_coefficients,
     mean_cord_force,
     mean_force,
     mean_sign,
     over_first_principles,
     quadratic_energy,
+    sound_of_box,
     structural_energy,
     way,
 )
@@ -27,7 +30,7 @@ from rig.drive.waveform import Waveform, viscous_energy
 from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.slip_moments import slip_moments
 from rig.kernels.waveform import crossings, extrema
-from rig.protocol.spec import Scene
+from rig.protocol.spec import Cavity, Scene
 from rig.stand.box import box_mass, losses_of
 from rig.stand.gas import LEAST_SHARE, ergun, gas_damping, gas_energy, share_of_weight
 from rig.stand.ledger import CLOSES, COLUMNS
@@ -162,8 +165,41 @@ def test_the_mount_takes_its_closed_form_of_the_moving_mass(
 def test_the_mount_is_off_unless_listed_and_supported(
     rig: Rig, steel: Scene, losses: tuple[str, ...], support: str
 ) -> None:
-    found = losses_of(replace(steel, losses=losses, support=support), rig, 50.0)
+    found = losses_of(replace(steel, losses=losses, support=support), rig, 50.0, 20.0)
     assert found.guide == found.cords == 0.0
+
+
+@given(st.floats(0.02, 1.0), st.floats(0.2, 5.0), st.floats(5.0, 200.0), st.floats(0.2, 5.0))
+def test_losses_of_the_clean_rig_grow_as_sound_and_drag_do(
+    side: float, larger: float, frequency: float, faster: float
+) -> None:
+    """Dipole sound of a box: the square of the mass of air that it moves, w^4; drag: its face, no w."""
+    clean = load_rig("clean")
+    box = Cavity(side, 1.5 * side, 2.0 * side, 0.1 * side)
+    grown = Cavity(*(larger * edge for edge in (side, 1.5 * side, 2.0 * side, 0.1 * side)))
+    here, there = (
+        losses_of(Scene(cavity=cavity, losses=("noise", "air")), clean, 1.0, f)
+        for cavity, f in ((box, frequency), (grown, faster * frequency))
+    )
+    assert there.noise == pytest.approx(here.noise * larger**6 * faster**4, rel=1e-12)
+    assert there.air == pytest.approx(here.air * larger**2, rel=1e-12)
+    told = over_first_principles(loss_coefficients(clean, box, frequency), box, frequency)
+    assert told == {"noise": 1.0, "air": 1.0}
+
+
+def test_the_clean_rigs_stand_loses_sound_and_drag_and_no_more(steel: Scene) -> None:
+    """pi c w X^2 and 8/3 k w^2 X^3 of the outer box, in the ledger; a rig file's own value instead."""
+    scene, clean = replace(steel, bed="empty", losses=("noise", "air")), load_rig("clean")
+    outer = (0.41, 0.16, 0.16)
+    sound, drag = sound_of_box(*outer, SINE.omega), drag_of_box(0.41, 0.16)
+    for rig, viscous in ((clean, sound), (replace(clean, loss_noise=3.0), 3.0)):
+        stand = Stand(scene, rig, SINE, nominal(scene, rig), 20.0 * CYCLE)
+        stand.read(2 * CYCLE)
+        ledger = stand.drain_ledger()
+        X = SINE.length_unit
+        noise, air = (ledger[:, COLUMNS.index(name)] for name in ("W_noise", "W_air"))
+        assert noise == pytest.approx(np.pi * viscous * SINE.omega * X**2, rel=1e-12)
+        assert air == pytest.approx(8.0 / 3.0 * drag * SINE.omega**2 * X**3, rel=1e-10)
 
 
 def test_every_channel_has_a_column() -> None:
@@ -265,7 +301,7 @@ def test_the_shipped_losses_are_told_beside_first_principles() -> None:
     """
     rig, cavity = load_rig("paper"), Scene().cavity
     at_20, at_40 = (
-        over_first_principles(rig.loss_noise, rig.loss_air, cavity, f) for f in (20.0, 40.0)
+        over_first_principles(loss_coefficients(rig, cavity, f), cavity, f) for f in (20.0, 40.0)
     )
     assert at_20["noise"] == pytest.approx(16.0 * at_40["noise"], rel=1e-12)
     assert at_20["air"] == at_40["air"]

@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 
 from rig.beds.janssen_stack import Filling, nominal, refill, stack
 from rig.catalog.entries import Rig
+from rig.catalog.entries_by_name import material, names
 from rig.drive.waveform import Waveform, waveform
+from rig.protocol.grid import conditions
+from rig.protocol.load import load_protocol
 from rig.protocol.spec import Cavity, Dashpot, Drive, Grains, Layers, Scene
 from rig.stand.box import box_mass
 from rig.stand.ledger import CLOSES, COLUMNS
@@ -47,6 +50,55 @@ def test_box_mass_is_that_of_its_walls() -> None:
     m3.
     """
     assert box_mass(Cavity(), 7850.0) == pytest.approx(7850.0 * 1.496e-3, rel=1e-12)
+
+
+@given(
+    *(st.floats(0.01, 1.0) for _ in range(3)),
+    st.floats(1e-3, 0.1),
+    st.sampled_from(names("material")),
+)
+def test_a_box_weighs_its_six_plates(
+    length: float, width: float, height: float, wall: float, name: str
+) -> None:
+    """Two end plates over the whole face, two side plates and two lids between them.
+
+    box_mass takes the cavity from the outer volume: each of a few roundings of 1.1e-16 grows by
+    outer volume over plates, at most 1/(6 wall/side) = 170.
+    """
+    text = f"{{length: {length!r}, width: {width!r}, height: {height!r}, wall: {wall!r}, material: {name}}}"
+    protocol = load_protocol(
+        f"schema: rig/protocol/1\nname: x\nscene: {{bed: empty, grains: {{diameter: 1 mm}}, cavity: {text}}}\n"
+    )
+    cavity = conditions(protocol)[0].scene.cavity
+    ends = wall * (width + 2.0 * wall) * (height + 2.0 * wall)
+    sides, lids = length * wall * (height + 2.0 * wall), length * width * wall
+    expected = material(name).density * 2.0 * (ends + sides + lids)
+    assert box_mass(cavity, 1.0) == pytest.approx(expected, rel=2e-13)
+
+
+def test_a_density_of_the_box_comes_before_its_materials_and_the_rigs() -> None:
+    def mass(text: str) -> float:
+        source = f"schema: rig/protocol/1\nname: x\nscene: {{cavity: {text}}}\n"
+        return box_mass(conditions(load_protocol(source))[0].scene.cavity, 7850.0) / 1.496e-3
+
+    assert mass("{}") == pytest.approx(7850.0, rel=1e-12)
+    assert mass("{material: aluminium}") == pytest.approx(2700.0, rel=1e-12)
+    assert mass("{material: aluminium, density: 2.8 g/cm3}") == pytest.approx(2800.0, rel=1e-12)
+    assert mass("{density: 1 g/cm3}") == pytest.approx(1000.0, rel=1e-12)
+    assert mass("{material: {density: 600}}") == pytest.approx(600.0, rel=1e-12)
+
+
+def test_an_aluminium_box_is_lighter_at_the_gauge_by_its_plates(rig: Rig, steel: Scene) -> None:
+    """In the stand too, and nothing else of the force changes: (7850 - 2700) 1.496e-3 kg."""
+    motion, found = Waveform(20.0, 3.0), []
+    for density in (None, 2700.0):
+        scene = replace(steel, losses=(), cavity=Cavity(density=density))
+        signal, _ = run(scene, rig, motion, nominal(scene, rig), 4)
+        found.append(signal)
+    lighter = (7850.0 - 2700.0) * 1.496e-3
+    np.testing.assert_allclose(
+        found[0][0] - found[1][0], lighter * found[0][1], rtol=0.0, atol=1e-9 * lighter * 3.0
+    )
 
 
 def test_a_dashpot_takes_positive_energy_and_its_closed_form(rig: Rig, steel: Scene) -> None:

@@ -39,6 +39,7 @@ ALLOWED = {
         "rig.theory",
         "rig.kernels",
         "rig.protocol.spec",
+        "rig.catalog.contact_materials",
         "rig.catalog.entries",
         "rig.drive",
         "rig.errors",

@@ -185,7 +185,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
     )
     return Outlook(
         id=condition.id,
-        material=scene.grains.material,
+        material=str(scene.grains.material),
         bed=scene.bed,
         diameter=scene.grains.diameter,
         fill=scene.grains.fill,

@@ -31,8 +31,8 @@ def calibrate_rig(campaign: Campaign, target: float, out: Path, force: bool, as_
         return
     console = terminal()
     console.print(
-        f"viscous loss (the paper's noise) {rig.loss_noise:.6g} N s/m, quadratic loss (the paper's air) "
-        f"{rig.loss_air:.6g} N s^2/m^2 -> {out}"
+        f"viscous loss (the paper's noise) {number(rig.loss_noise, 6)} N s/m, quadratic loss (the paper's air) "
+        f"{number(rig.loss_air, 6)} N s^2/m^2 -> {out}"
     )
     for name, value in rig.provenance.items():
         console.print(f"  {name}: {number(value)}", highlight=False)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import asdict, replace
 
 from rig.campaign.campaign import Campaign
+from rig.campaign.open_settings import material_values
 from rig.campaign.preflight.decisions import MOST, Decision
 from rig.campaign.preflight.outlook import Outlook, decided, disk, preflight
 from rig.cli.terminal.output import cores, print_json, say
@@ -30,6 +31,7 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         "disk_bytes": disk(campaign),
     }
     claims = decided(campaign, outlooks)
+    materials = material_values(campaign.conditions, campaign.rig)
     unmet = [f"{o.id}: {flag}" for o in outlooks for flag in o.fails]
     unmet += [
         f"{c}: the tolerance is not met: {found.why}"
@@ -45,7 +47,13 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
         # The JSON output is the same on every machine: the computing time is left out.
         shown = {key: value for key, value in totals.items() if key != "stand_time_s"}
         print_json(
-            {"conditions": rows, "claims": [asdict(one) for one in claims], **shown, "unmet": unmet}
+            {
+                "conditions": rows,
+                "claims": [asdict(one) for one in claims],
+                "materials": [asdict(value) for value in materials],
+                **shown,
+                "unmet": unmet,
+            }
         )
     else:
         swept = {c.id for c in campaign.conditions if c.drive.sweep_to is not None}
@@ -60,6 +68,9 @@ def check_protocol(campaign: Campaign, strict: bool, as_json: bool) -> int:
             utilisation = f" ({used[c.name]:.2f} used)" if c.name in used else ""
             ranges.append(f"{c.name} {c.range_V:g} V{utilisation}")
         terminal().print(f"ranges: {', '.join(ranges)}")
+        for value in materials:
+            told = f"{value.path} {number(value.value, 6)} {value.unit}".rstrip()
+            terminal().print(f"{told}: {value.status}, {value.source}")
         if campaign.choices:
             _print_choices(campaign)
     refused = [f"{o.id}: {flag}" for o in outlooks for flag in o.beyond] if strict else []

@@ -30,7 +30,7 @@ def schema_text(kind: str, out: Path | None, force: bool) -> None:
 def schema_of(kind: str) -> Mapping[str, Any]:
     """Return the JSON Schema of one of KINDS."""
     if kind == "protocol":
-        from rig.protocol.json_schema import protocol_schema
+        from rig.protocol.load import protocol_schema
 
         return protocol_schema()
     if kind == "map":

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from daq.documents.grammar import paths_of
+from daq.documents.classes import paths_of
 from rig.documents.yaml_reader import read_yaml
 from rig.errors import InputError
 from rig.importing.mapping import RecordMap, mapping_schema, read_mapping

@@ -2,7 +2,7 @@
 
 import pytest
 
-from daq.documents.grammar import keys_of
+from daq.documents.classes import keys_of
 from daq.faults.in_blocks import KINDS
 from rig.errors import InputError
 from rig.protocol.faults import Fault

@@ -15,15 +15,14 @@ from test_protocol_mistakes import LEAST, test_one_mistake
 from typer.testing import CliRunner
 
 from analysis.report.json_schema import REPORT, report_schema
-from daq.documents.grammar import paths_of
+from daq.documents.classes import paths_of
 from daq.documents.shapes import deviations
 from rig.cli.app import app
 from rig.documents.yaml_reader import read_yaml
 from rig.errors import InputError
 from rig.protocol.claims import KINDS
 from rig.protocol.grid import expand
-from rig.protocol.json_schema import protocol_schema
-from rig.protocol.load import dump_protocol, load_protocol, protocol_template
+from rig.protocol.load import dump_protocol, load_protocol, protocol_schema, protocol_template
 from rig.protocol.spec import Protocol, Scene
 
 ROOT = Path(__file__).parents[3]

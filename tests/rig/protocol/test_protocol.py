@@ -47,6 +47,7 @@ def test_the_protocol_of_the_contract() -> None:
     levels = (2.0, 3.0, 4.0, 5.0)
     assert protocol == Protocol(
         name="fill_rate",
+        rig="paper",
         question="Does the energy dissipated per cycle peak at 90 % fill?",
         vary=(
             Vary(("scene.grains.fill",), tuple((fill,) for fill in fills)),

@@ -1,11 +1,11 @@
-"""Dataclasses as the grammar of documents: read, written back, closed, with their defaults."""
+"""Dataclasses as closed documents: read, written back, with their defaults in the schema."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import pytest
 
-from daq.documents.grammar import keys_of, paths_of, shape_at
+from daq.documents.classes import keys_of, paths_of, shape_at
 from daq.documents.json_schema import json_schema
 from daq.documents.notes import Notes, Unreadable, node_of
 from daq.documents.shapes import Number, Text, one_of, plain, some_of
@@ -92,5 +92,5 @@ def test_a_type_without_a_shape_is_refused_at_once() -> None:
     class Odd:
         part: complex = 0j
 
-    with pytest.raises(KeyError):
+    with pytest.raises(TypeError, match="complex"):
         keys_of(Odd)
