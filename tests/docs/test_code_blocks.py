@@ -15,6 +15,7 @@ import pytest
 from code_blocks import PAGES, ROOT, Block, blocks
 from typer.testing import CliRunner
 
+from rig.catalog.own_materials import read_materials
 from rig.cli.app import app
 from rig.cli.terminal import watch
 from rig.importing.mapping import read_mapping
@@ -85,11 +86,15 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
 
 
 def _yaml(text: str, place: str) -> None:
-    """A protocol, a mapping, or a part of a protocol."""
+    """A protocol, a mapping, a catalog of materials, or a part of a protocol."""
     assert ":" in text, f"{place}: neither commands nor YAML; what cannot run is marked `text`"
     if "schema: rig/map/" in text:
         Path("block.yaml").write_text(text, encoding="utf-8")
         read_mapping(Path("block.yaml"))
+        return
+    if "schema: rig/catalog/" in text:
+        Path("materials.yaml").write_text(text, encoding="utf-8")
+        assert read_materials(Path("materials.yaml"))
         return
     protocol = text if "schema:" in text else LEAST + text
     load_protocol(protocol if "\nname:" in protocol else f"{protocol}\nname: fragment\n")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 SMALL = """\
 schema: rig/protocol/1
 name: small
+rig: paper
 scene: {grains: {material: stainless, diameter: 8 mm, fill: 85 %}}
 acquire: {settle: 10 cycles, record: 40 cycles}
 vary:

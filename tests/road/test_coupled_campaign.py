@@ -22,6 +22,7 @@ from rig.protocol.load import load_protocol
 FEW = """\
 schema: rig/protocol/1
 name: few
+rig: paper
 scene: {grains: {material: stainless, diameter: 12 mm, fill: 85 %}, losses: [noise, air]}
 drive: {mode: shaker}
 acquire: {settle: 10 cycles, record: 20 cycles, exciter_channels: true}

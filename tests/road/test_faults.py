@@ -19,6 +19,7 @@ from rig.protocol.load import load_protocol
 TEXT = """\
 schema: rig/protocol/1
 name: faulty
+rig: paper
 scene: {grains: {material: stainless, diameter: 8 mm, fill: 85 %}}
 drive: {acceleration: 3 m/s^2}
 acquire: {settle: 10 cycles, record: 40 cycles}

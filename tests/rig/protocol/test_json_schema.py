@@ -62,6 +62,9 @@ def test_what_the_reader_takes_the_schema_takes(scene: Scene) -> None:
 SPELLINGS = [
     "scene: {cavity: {length: 15 cm, width: '  .15 m ', height: 1.5e2mm}}",
     "scene: {grains: {fill: 85%, diameter: 0.004}}",
+    "scene: {grains: {material: lead}, cavity: {material: null, density: 2.7 g/cm3}}",
+    "scene: {cavity: {material: {density: 2.7 g/cm3, poisson_ratio: {value: 33, unit: '%', status: sourced}}}}",
+    "vary: {scene.grains.material: [lead, {name: x, density: 3000}]}",
     "scene: {single_mass: {gap: none, velocity: -1 mm/s}}",
     "scene: {losses: []}",
     "scene: {dashpot: {c: 5 N*s/m}}",
