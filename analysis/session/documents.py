@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from analysis.session.exciter import SessionExciter, TrueClock, TrueInstruments
 from analysis.session.fidelity import Fidelity
-from analysis.session.former_names import prediction_today, rig_today
+from analysis.session.former_names import prediction_today, protocol_today, rig_today
 from analysis.session.prediction_entry import PREDICTION
 from analysis.session.protocol import ExpectedClaim, SessionProtocol, SessionRig
 from analysis.session.record import AnalysisError, Truth
@@ -70,9 +70,8 @@ def deviations_of(name: str, value: Any) -> Iterator[str]:
 
 def today(name: str, value: Any) -> Any:
     """Return a document of the session with today's names."""
-    if name == "prediction":
-        return prediction_today(value)
-    return rig_today(value) if name == "rig" else value
+    translated = {"prediction": prediction_today, "protocol": protocol_today, "rig": rig_today}
+    return translated[name](value) if name in translated else value
 
 
 def checked(name: str, value: Any) -> Any:

@@ -1,14 +1,22 @@
-"""Names of the first edition in sessions that were recorded with it, and their names of today.
+"""Translate the names of the first edition, in sessions that were recorded with it, to today's.
 
-A session stays as it was written; whoever reads its conditions or its prediction reads today's
-names.
+The file of a session stays as it was written. Its conditions, prediction, claims and rig are
+translated when they are read.
 """
 
 import re
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["condition_today", "path_today", "prediction_today", "rig_today", "text_today"]
+__all__ = [
+    "condition_today",
+    "of_first_edition",
+    "path_today",
+    "prediction_today",
+    "protocol_today",
+    "rig_today",
+    "text_today",
+]
 
 KEYS: Mapping[str, str] = {"mistake": "deliberate_error"}
 WORDS: Mapping[str, Mapping[str, str]] = {
@@ -22,6 +30,12 @@ PATHS: Mapping[str, str] = {
     "mistake": "deliberate_error",
     "allow_undersampled": "paper_rule",
 }
+WORDS_AT: Mapping[str, Mapping[str, str]] = {
+    "drive.mode": WORDS["drive"],
+    "scene.bed": WORDS["bed"],
+}
+"""Path of a protocol -> its renamed values."""
+
 FIRST = ("allow_undersampled: ", "refill_play: ")
 """Keys by which a file of the first edition is recognised: it wrote one of them into every protocol
 and every rig file.
@@ -61,7 +75,7 @@ def condition_today(condition: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def prediction_today(document: Any) -> Any:
-    """Return a session's prediction with today's keys; anything else unchanged."""
+    """Return a session's prediction with today's keys; any other value as it is."""
     conditions = document.get("conditions") if isinstance(document, Mapping) else None
     if not isinstance(conditions, Mapping):
         return document
@@ -70,6 +84,17 @@ def prediction_today(document: Any) -> Any:
         for name, entry in conditions.items()
     }
     return {**document, "conditions": today}
+
+
+def protocol_today(document: Any) -> Any:
+    """Return a session's protocol with today's paths and words in its claims; any other value as it
+    is.
+    """
+    claims = document.get("expect") if isinstance(document, Mapping) else None
+    if not isinstance(claims, list):
+        return document
+    today = [_claim_today(claim) if isinstance(claim, Mapping) else claim for claim in claims]
+    return {**document, "expect": today}
 
 
 def rig_today(document: Any) -> Any:
@@ -84,14 +109,19 @@ def rig_today(document: Any) -> Any:
 
 
 def text_today(text: str | None) -> str | None:
-    """Return a protocol or rig file that the first edition wrote out, with today's names, so that
-    it can be run again.
+    """Return a protocol or rig file that the first edition wrote out in a session, with today's
+    names, so that it can be run again; any other text as it is.
     """
-    if not text or not any(key in text for key in FIRST):
+    if not text or not of_first_edition(text):
         return text
     for old, new in WRITTEN:
         text = re.sub(old, new, text, flags=re.MULTILINE)
     return text
+
+
+def of_first_edition(text: str) -> bool:
+    """Return whether a protocol or rig file was written out by the first edition."""
+    return any(key in text for key in FIRST)
 
 
 def path_today(path: str) -> str:
@@ -99,15 +129,52 @@ def path_today(path: str) -> str:
     return ".".join(PATHS.get(part, part) for part in path.split("."))
 
 
+def _claim_today(claim: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a claim with today's paths and words; parts of another type as they are, because the
+    document is checked afterwards.
+    """
+    found, about = dict(claim), claim.get("about")
+    for key in ("about", "over"):
+        if isinstance(found.get(key), str):
+            found[key] = path_today(found[key])
+    if isinstance(found.get("values"), list):
+        found["values"] = [_word_today(about, value) for value in found["values"]]
+    if isinstance(found.get("cases"), list):
+        found["cases"] = [
+            _case_today(case, about) if isinstance(case, Mapping) else case
+            for case in found["cases"]
+        ]
+    return found
+
+
+def _case_today(case: Mapping[str, Any], about: Any) -> dict[str, Any]:
+    """Return a case of a claim about the old path `about`."""
+    found, at, levels = dict(case), case.get("at"), case.get("levels")
+    if isinstance(at, Mapping):
+        found["at"] = {path_today(str(path)): _word_today(path, at[path]) for path in at}
+    if isinstance(levels, list):
+        found["levels"] = [
+            {**level, "value": _word_today(about, level["value"])}
+            if isinstance(level, Mapping) and "value" in level
+            else level
+            for level in levels
+        ]
+    return found
+
+
+def _word_today(path: Any, value: Any) -> Any:
+    """Return today's word for a value of the field at a path; any other value as it is."""
+    words = WORDS_AT.get(path, {}) if isinstance(path, str) else {}
+    return words.get(value, value) if isinstance(value, str) else value
+
+
 def _value_today(value: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a value of a rig document with today's path, and today's word where it is one."""
+    """Return an entry of a rig's values with today's path and word."""
     path = value.get("path")
     if not isinstance(path, str):
         return dict(value)
-    words = WORDS.get({"drive.mode": "drive", "scene.bed": "bed"}.get(path, ""), {})
-    word = value.get("value")
     today = {**value, "path": path_today(path)}
-    return {**today, "value": words.get(word, word)} if isinstance(word, str) else today
+    return today | ({"value": _word_today(path, value["value"])} if "value" in value else {})
 
 
 def _renamed(entry: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:

@@ -25,13 +25,13 @@ class Job:
 
 def jobs(quick: bool) -> tuple[Job, ...]:
     """Return the measurements of `rig bench`; quick: fewer problems, settings, sizes and rounds."""
+    from rig.benchmarks import fill_protocol
     from rig.benchmarks.problems import (
         beds,
         chain,
         compiling,
         conditions,
         exciter,
-        fill_protocol,
         precision,
         recording,
         records,

@@ -1,4 +1,4 @@
-"""Where the tasks of a campaign are computed: one interface for all implementations."""
+"""The interface of executors, which compute the tasks of a campaign."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -24,7 +24,7 @@ class Item(Protocol):
 
 
 Compute = Callable[[Any], Iterator[Any]]
-"""From a task to its items, the same at any time and place: a function that can be pickled."""
+"""A function from a task to its items, the same at any time and place; it can be pickled."""
 
 
 class Executor(Protocol):
@@ -43,7 +43,8 @@ class Executor(Protocol):
         No task of a stage starts before all items of the previous stage have arrived. Every item
         arrives once, each task's in order; tasks of a stage may be interleaved. A task whose worker
         is lost is computed again and continues after the last item received: same task, same bytes.
-        The iterator raises: exceptions of `compute`, unchanged; WorkerLost if no worker is left;
-        WorkerFailed for a defect. It never waits for lost work.
+        The iterator never waits for lost work: it raises WorkerLost if no worker is left. InputError,
+        MemoryError and Overrun of `compute` are raised unchanged; any other exception of it is a
+        defect, and raised as WorkerFailed with its traceback.
         """
         ...

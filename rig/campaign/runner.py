@@ -35,6 +35,12 @@ if TYPE_CHECKING:
 AT_THE_END = ("analysis.comparison.whole_session", "analysis.report.html")
 """Modules that are needed when the workers have finished, loaded beforehand while they are busy."""
 
+OLD_SESSION = (
+    "a session of the first edition (before 0.2.0), whose protocol has other names",
+    "--force to start anew, or another folder; rig report reads what is recorded in it",
+)
+"""What --resume finds in such a session, and what is allowed instead."""
+
 
 @dataclass(frozen=True)
 class ToPredict:
@@ -131,15 +137,20 @@ def _predicted(items: Iterator[Any], count: int) -> dict[str, Forecast]:
 
 
 def _finished(campaign: Campaign, path: Path) -> set[str]:
-    """Return the names of the complete runs of a session. Raises InputError if it is not a session
-    of this very campaign.
+    """Return the names of the complete runs of a session.
+
+    Raises InputError if it is not a session of this very campaign, or was recorded by the first
+    edition: its run plan, written with other names, cannot be continued.
     """
+    from analysis.session.former_names import of_first_edition
     from daq.session.record import open_session
     from rig.campaign.session_plan import identity
 
     asked = identity(campaign)
     with open_session(path) as record:
         found = {name: record.document(name) or {} for name in asked}
+        if of_first_edition(str(found["protocol"].get("resolved", ""))):
+            raise InputError(Mistake(str(path), "", *OLD_SESSION))
         for name, facts in asked.items():
             for key, value in facts.items():
                 if found[name].get(key) != value:
@@ -154,6 +165,6 @@ def _differs(path: Path, what: str, old: object, new: object) -> Mistake:
     return Mistake(
         str(path),
         what,
-        f"a session recorded with {before.strip()!r}, asked to go on with {after.strip()!r}",
+        f"a session recorded with {before.strip()!r}, asked to continue with {after.strip()!r}",
         "the protocol, seed and rig that it was started with, or --force to start anew",
     )

@@ -11,7 +11,7 @@ from rig.campaign.auto_fidelity import choices_document, choices_text
 from rig.campaign.campaign import Campaign
 from rig.campaign.claim_cases import cases, varied
 from rig.campaign.one_run.deliberate_errors import error_facts
-from rig.campaign.one_run.scalars import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
+from rig.campaign.one_run.part import LEVEL_SCALARS, RECORDED_SCALARS, TRIGGER_SCALARS
 from rig.campaign.open_settings import assumed_settings, material_values
 from rig.campaign.provenance import now, provenance
 from rig.catalog.entries import Exciter

@@ -215,6 +215,6 @@ def test_only_the_same_campaign_goes_on_with_a_session(nominal: Path, change: st
     was.
     """
     before = (nominal / "session.h5").read_bytes()
-    with pytest.raises(InputError, match="asked to go on with"):
+    with pytest.raises(InputError, match="asked to continue with"):
         run(campaign((change,)), nominal, workers=1, resume=True)
     assert (nominal / "session.h5").read_bytes() == before

@@ -21,7 +21,7 @@ from daq.session.layout import (
 )
 from daq.session.plan import CHUNK, RunPlan, SessionPlan, block_dtype, status_dtype
 from daq.session.writer import Recorder
-from rig.benchmarks.problems.fill_protocol import fill_campaign
+from rig.benchmarks.fill_protocol import fill_campaign
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread
 from rig.campaign.session_plan import session_plan
 from rig.prediction.forecast import forecast

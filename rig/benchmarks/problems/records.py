@@ -25,8 +25,8 @@ from daq.chain.channel import (
 from daq.chain.fir import DELAY, STAGE1, STAGE2
 from daq.chain.frontend import FrontEnd
 from daq.session.record import open_session
+from rig.benchmarks.fill_protocol import FILL, fill_campaign
 from rig.benchmarks.machine import ROOT, cores
-from rig.benchmarks.problems.fill_protocol import FILL, fill_campaign
 from rig.benchmarks.process import IMPORTS, imported_by, run_process, timed_process, weighed_imports
 from rig.benchmarks.results.fits import workers
 from rig.benchmarks.timing import against, interleaved, peak_memory, spread

@@ -12,11 +12,10 @@ from rig.campaign.campaign import LEVEL_OF, Campaign
 from rig.campaign.one_run.deliberate_errors import with_signal_error
 from rig.campaign.one_run.faults import with_faults
 from rig.campaign.one_run.loop_back import LoopBackSource, inputs_alone
-from rig.campaign.one_run.part import Part
+from rig.campaign.one_run.part import RECORDED_SCALARS, Part
 from rig.campaign.one_run.prescribed_run import PrescribedRun
 from rig.campaign.one_run.record_start import Beginning
 from rig.campaign.one_run.run_inputs import random_stream
-from rig.campaign.one_run.scalars import RECORDED_SCALARS
 from rig.protocol.schedule import Run
 from rig.protocol.spec import LOOP_BACK
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from daq.chain.source import PhysicalSource
 from rig.beds.janssen_stack import Filling
-from rig.campaign.one_run.scalars import STOPS
+from rig.campaign.one_run.part import STOPS
 from rig.catalog.entries import Exciter, Rig
 from rig.drive.amplifier_command import Command
 from rig.drive.dwell import Dwell, Plan

@@ -10,7 +10,7 @@ from analysis.signals.cycles import Window, on_grid, whole_cycles
 from daq.chain.block import Block
 from daq.chain.channel import ChannelInfo
 from rig.beds.janssen_stack import nominal, stack
-from rig.campaign.one_run.scalars import RECORDED_SCALARS
+from rig.campaign.one_run.part import RECORDED_SCALARS
 from rig.catalog.entries import Rig
 from rig.kernels.rows.recorded_motion import sampled_energy
 from rig.protocol.schedule import Lengths

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from daq.chain.acquisition import Acquisition
 from daq.chain.source import PhysicalSource
 from rig.campaign.campaign import Campaign
+from rig.campaign.one_run.part import LEVEL_SCALARS
 from rig.campaign.one_run.run_inputs import filling_of, motion_of, oversampled_rate
-from rig.campaign.one_run.scalars import LEVEL_SCALARS
 from rig.drive.exciter_limits import Demand
 from rig.protocol.schedule import Run
 from rig.stand.exact_waveform import exact_energy

@@ -10,7 +10,7 @@ from daq.chain.acquisition import Acquisition
 from daq.chain.block import Block
 from daq.chain.trigger import NoTrigger, Triggered
 from daq.faults.in_blocks import FULL
-from rig.campaign.one_run.scalars import TRIGGER_SCALARS
+from rig.campaign.one_run.part import TRIGGER_SCALARS
 from rig.errors import InputError, Mistake
 from rig.protocol.schedule import Lengths, Run
 

@@ -10,8 +10,8 @@ from daq.chain.fir import OVERSAMPLING
 from rig.beds.janssen_stack import nominal
 from rig.campaign.campaign import Campaign
 from rig.campaign.one_run.coupled_dwell import Dwelling
+from rig.campaign.one_run.part import STOPS
 from rig.campaign.one_run.run_inputs import filling_of
-from rig.campaign.one_run.scalars import STOPS
 from rig.drive.dwell import phasors
 from rig.drive.exciter_limits import Demand
 from rig.drive.losses import LOST

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis.pipeline import window_range
+from analysis.session.former_names import condition_today
 from analysis.signals.corrected_signal import CorrectedSignal
 from daq.chain.channel import ChannelInfo
 from daq.formats.sidecar import SCHEMA, is_sidecar, sidecar_of
@@ -205,7 +206,7 @@ def _beside(record: Record, info: RunInfo, raw: bool) -> dict[str, Any]:
         "run": info.name,
         "order": info.order,
         "repeat": info.repeat,
-        "condition": condition,
+        "condition": condition_today(condition),
         "corrected": not raw,
         "rate": info.rate,
         "start": info.t0,

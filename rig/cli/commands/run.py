@@ -69,7 +69,7 @@ def check_folder(out: Path, resume: bool, force: bool) -> None:
                 str(out / "session.h5"),
                 "",
                 "a session that exists",
-                "--resume to go on with it, --force to replace it",
+                "--resume to continue it, --force to replace it",
             )
         )
     # The nearest existing folder decides: the rest is created on writing.

@@ -1,4 +1,4 @@
-"""The shipped fill protocol as a problem to measure."""
+"""The shipped fill protocol, the problem of several measurements."""
 
 from rig.campaign.campaign import Campaign
 from rig.campaign.resolve import campaign_of
