@@ -4,12 +4,14 @@ import json
 import math
 import re
 from functools import lru_cache
+from json.encoder import encode_basestring
 from typing import Any, Literal
 
 from daq.strange_text import HIDDEN
 
 __all__ = ["indented", "json_text"]
 
+_CONTAINERS = (dict, list, tuple)
 _BUT_LINES = re.compile(rf"(?!\n){HIDDEN.pattern}")
 
 
@@ -39,10 +41,12 @@ def _text(value: Any, depth: int) -> str:
     """Return the JSON text of a value nested `depth` levels deep."""
     if value is None:
         return "null"
-    if not isinstance(value, dict | list | tuple) or not value:
+    if type(value) is str:
+        return encode_basestring(value)
+    if not isinstance(value, _CONTAINERS) or not value:
         return _encoder(depth).encode(value)
     inner = value.values() if isinstance(value, dict) else value
-    if not any(isinstance(item, dict | list | tuple) and item for item in inner):
+    if not any(isinstance(item, _CONTAINERS) and item for item in inner):
         flat = _encoder(depth).encode(value)
         first, body, last = flat[0], flat[1:-1], flat[-1]
     else:

@@ -147,20 +147,28 @@ def critical_score(tests: Sequence[Zero], chain: Sequence[Zero] = ()) -> float:
             loads /= np.array([test.found.u or 1.0 for test in some])[:, None]
             own = np.sqrt(np.maximum(0.0, 1.0 - (loads * loads).sum(axis=1)))
             for test, score, alone in zip(some, loads @ inputs, own, strict=True):
-                score += alone * rng.standard_normal(DRAWS)
-                yield -score if test.one_sided else np.abs(score)
+                rng.standard_normal(out=normals)
+                np.multiply(normals, alone, out=normals)
+                score += normals
+                yield np.negative(score, out=score) if test.one_sided else np.abs(score, out=score)
 
+    normals = np.empty(DRAWS)
     most = np.full(DRAWS, -np.inf)
     for score in drawn(tests):
         np.maximum(most, score, out=most)
     if chain:
         scores = np.empty((len(chain), DRAWS), np.float32)
+        above = np.zeros(DRAWS, np.int64)
         for row, score in zip(scores, drawn(chain), strict=True):
             row[:] = score
+            above += row > most
         # The chain fails when more than `may_miss` of its scores exceed the bound: that is the score
         # of rank may_miss + 1 from above, in each draw.
         may_miss = len(chain) - needed(len(chain))
-        np.maximum(most, np.partition(scores, -1 - may_miss, axis=0)[-1 - may_miss], out=most)
+        # Only draws in which it exceeds the largest of the other tests are sorted.
+        counts = np.flatnonzero(above > may_miss)
+        largest = np.partition(scores[:, counts], -1 - may_miss, axis=0)[-1 - may_miss]
+        most[counts] = np.maximum(most[counts], largest)
     return max(ALONE, float(np.quantile(most, LEVEL))) if tests or chain else ALONE
 
 

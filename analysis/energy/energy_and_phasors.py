@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +42,12 @@ class Energy:
         """Eq. 25: excitation energy less the change of the box's kinetic energy, J per cycle."""
         return self.W_exc - self.W_kin
 
-    @property
+    @cached_property
     def level(self) -> float:
         """Amplitude of the fundamental acceleration, m/s^2."""
         return abs(complex(self.acceleration[0]))
 
-    @property
+    @cached_property
     def M_eff(self) -> float:
         """Apparent mass at the fundamental, kg: real part of F/A of everything beyond the gauge
         plane.
@@ -58,12 +59,12 @@ class Energy:
             else math.nan
         )
 
-    @property
+    @cached_property
     def reactive(self) -> float:
         """(pi / w^2) M_eff a^2 in J: the error of W per radian of phase error."""
         return math.pi * self.M_eff * (self.level / (2 * math.pi * self.frequency)) ** 2
 
-    @property
+    @cached_property
     def eta(self) -> float:
         """Loss factor W w^2 / (pi M_eff a^2); nan without motion or apparent mass."""
         return self.W / self.reactive if self.reactive else math.nan

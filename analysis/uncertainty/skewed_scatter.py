@@ -53,8 +53,9 @@ def sessions_of(refills: Array, n: int, count: int) -> tuple[Array, Array]:
     """Return the error of the mean of n refills and its standard uncertainty in simulated sessions,
     (count,) each.
     """
-    drawn = (refills - refills.mean())[_places(len(refills), n, count)]
-    error = drawn.sum(axis=0) / n
+    drawn = (refills - refills.mean()).take(_places(len(refills), n, count))
+    error = drawn.sum(axis=0)
+    error /= n
     drawn -= error
     return error, np.sqrt(np.einsum("ij,ij->j", drawn, drawn) / ((n - 1) * n))
 

@@ -1,6 +1,7 @@
 """The commands, one function each; exit code 0 done, 1 check failed, 2 bad input, 3 interrupted."""
 
 import gc
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -390,7 +391,10 @@ def schema(
 def main() -> None:
     """Run the command line.
 
-    A high threshold keeps the garbage collector from running during the heavy imports.
+    A high threshold keeps the garbage collector from running during the heavy imports. Linear
+    algebra gets one thread, unless the user says otherwise: its products are small, and on a busy
+    machine its threads wait for each other longer than they compute.
     """
     gc.set_threshold(100_000)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with_whole_output(app)

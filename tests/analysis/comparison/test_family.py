@@ -2,11 +2,20 @@
 
 import math
 
+import numpy as np
 import pytest
 from scipy import stats
 from scipy.special import ndtri
 
-from analysis.comparison.family_of_tests import ALONE, Zero, critical_score, needed
+from analysis.comparison.family_of_tests import (
+    ALONE,
+    DRAWS,
+    LEVEL,
+    SEED,
+    Zero,
+    critical_score,
+    needed,
+)
 from analysis.uncertainty.estimate import Estimate
 
 # The critical score is the 95 % quantile of 10 000 draws: its probability has a standard deviation
@@ -46,6 +55,28 @@ def test_of_the_chain_a_share_may_miss() -> None:
     assert needed(20) == 18
     # the critical score is never below that of a single test
     assert critical_score([], apart(20)) == pytest.approx(max(ALONE, p), abs=NEAR)
+
+
+@pytest.mark.parametrize("load", [0.0, 0.6, 0.9])
+@pytest.mark.parametrize("tests", [0, 1, 4, 30])
+def test_the_chain_counts_wherever_it_is_the_largest(tests: int, load: float) -> None:
+    """The score is the quantile over all draws with the chain sorted whole, although only draws in
+    which it exceeds the other tests are sorted. With one to four other tests it does in some of
+    the draws.
+    """
+    chain = [Zero(Estimate(0.0, 1.0, math.inf), {"sensitivity": load}) for _ in range(40)]
+    others = apart(tests)
+    rng = np.random.default_rng(SEED)
+    shared = rng.standard_normal((DRAWS, 1))[:, 0]
+    first = [np.abs(rng.standard_normal(DRAWS)) for _ in others]
+    scores = [
+        np.abs(load * shared + math.sqrt(1 - load * load) * rng.standard_normal(DRAWS))
+        for _ in chain
+    ]
+    kept = np.sort(scores, axis=0)[needed(len(chain)) - 1]
+    expected = np.quantile(np.max([*first, kept], axis=0), LEVEL)
+    # the chain's scores are kept in single precision
+    assert critical_score(others, chain) == pytest.approx(max(ALONE, expected), rel=1e-6)
 
 
 def test_one_side_counts_on_its_side() -> None:
