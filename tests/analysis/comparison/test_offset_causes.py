@@ -160,6 +160,18 @@ def test_no_rig_no_table() -> None:
     assert read_session(made(values={"gravity": 9.8})).causes == ()
 
 
+def test_coefficients_of_the_conditions_where_the_rig_file_leaves_them_out() -> None:
+    """The same numbers give the same rows wherever they are written; without them, no table."""
+    left = {name: value for name, value in RIG.items() if not name.startswith("loss_")}
+    own = {"noise": RIG["loss_noise"], "air": RIG["loss_air"]}
+    assert rows_of(made(values=left, loss_coefficients=own)) == rows_of(made())
+    doubled = rows_of(made(values=left, listed=(), loss_coefficients=own | {"air": 1800.0}))
+    once = rows_of(made(listed=()))
+    assert doubled["air"].share == pytest.approx(2.0 * once["air"].share, rel=1e-12)
+    assert doubled["noise"] == once["noise"]
+    assert read_session(made(values=left)).causes == ()
+
+
 def test_losses_beside_first_principles_as_the_session_tells_them() -> None:
     """Low and high over the conditions; nothing for causes that have no such size, and where no
     session tells.

@@ -11,7 +11,9 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rig.catalog.entries import STATUSES, CatalogValue, Material
 from rig.catalog.entries_by_name import names, sensors_for
+from rig.catalog.stated_values import own_material
 from rig.documents.yaml_writer import write_text, write_yaml
 from rig.errors import InputError
 from rig.protocol.claims import KINDS
@@ -54,12 +56,40 @@ counts = st.integers(1, 500)
 losses = st.permutations(LOSSES).flatmap(
     lambda p: st.integers(0, len(p)).map(lambda n: tuple(p[:n]))
 )
+densities = sizes(1, 3e4)
+
+
+def own_materials(name: str) -> st.SearchStrategy[Material]:
+    """Materials of one's own: a name stands for one material in a protocol."""
+    return st.builds(
+        lambda density, friction, status: own_material(
+            name,
+            {
+                "density": CatalogValue("density", density, "kg/m^3", status, "drawn"),
+                "wall_friction": CatalogValue("wall_friction", friction, "", "assumed", ""),
+            },
+        ),
+        densities,
+        sizes(0, 10),
+        st.sampled_from(STATUSES),
+    )
+
+
+named = st.sampled_from(names("material"))
 grains = st.builds(
-    Grains, st.sampled_from(names("material")), diameters, fills, st.none() | sizes(1, 3e4)
+    Grains, named | own_materials("balls"), diameters, fills, st.none() | densities
 )  # fmt: skip
 scenes = st.builds(
     Scene,
-    cavity=st.builds(Cavity, sizes(0.02, 2), sizes(0.02, 2), sizes(0.1, 10), sizes(1e-4, 0.5)),
+    cavity=st.builds(
+        Cavity,
+        sizes(0.02, 2),
+        sizes(0.02, 2),
+        sizes(0.1, 10),
+        sizes(1e-4, 0.5),
+        st.none() | named | own_materials("box"),
+        st.none() | densities,
+    ),
     grains=grains,
     bed=st.sampled_from(BUILT_BEDS),
     losses=losses,
