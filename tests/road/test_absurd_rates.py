@@ -92,7 +92,7 @@ RATES: dict[str, tuple[str, Callable[[Path, str], None], tuple[str, ...]]] = {
 
 
 @pytest.mark.parametrize("kind", RATES)
-def test_a_rate_that_is_none_is_a_sentence(tmp_path: Path, kind: str) -> None:
+def test_an_absurd_rate_is_refused_in_one_sentence(tmp_path: Path, kind: str) -> None:
     name, make, values = RATES[kind]
     first = "x/F" if kind == "tdms" else "F"
     for value in values:
@@ -109,7 +109,7 @@ def test_a_rate_that_is_none_is_a_sentence(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize(
     "field", ["rate", "frequency", "settle", "length", "condition: {density", "force: {noise"]
 )
-def test_a_number_of_a_mapping_that_is_none_is_a_sentence(
+def test_an_absurd_number_of_a_mapping_is_refused_in_one_sentence(
     tmp_path: Path, field: str, value: str
 ) -> None:
     if (field, value) in (("settle", "0"), ("force: {noise", "0")):
@@ -124,7 +124,7 @@ def test_a_number_of_a_mapping_that_is_none_is_a_sentence(
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "NaN", "Infinity", "1e999", '"x"', "null", LONG])
-def test_a_rate_beside_an_export_that_is_none_is_a_sentence(tmp_path: Path, value: str) -> None:
+def test_an_absurd_rate_beside_an_export_is_refused(tmp_path: Path, value: str) -> None:
     (tmp_path / "r.csv.json").write_text('{"schema": "rig/export/1", "rate": %s}' % value)  # noqa: UP031
     with pytest.raises(FormatError, match="rate"):
         read_sidecar(tmp_path / "r.csv", "")
@@ -132,9 +132,7 @@ def test_a_rate_beside_an_export_that_is_none_is_a_sentence(tmp_path: Path, valu
 
 @pytest.mark.parametrize("value", ["0", "-1", "NaN", "Infinity", "1e300", '"x"', "[]", LONG])
 @pytest.mark.parametrize("owner", ["session", "run"])
-def test_a_rate_of_a_session_that_is_none_is_a_sentence(
-    tmp_path: Path, owner: str, value: str
-) -> None:
+def test_an_absurd_rate_of_a_session_is_refused(tmp_path: Path, owner: str, value: str) -> None:
     path = tmp_path / "theirs.h5"
     path.write_bytes(SESSION.read_bytes())
     with open_session(path):

@@ -323,7 +323,7 @@ def test_a_wrong_mapping_names_line_field_and_what_is_allowed(tmp_path: Path, ca
 @pytest.mark.parametrize("name", ["x.csv", "x.uff", "x.npz", "x.tdms", "x.mat", "x.h5", "x.what"])
 @pytest.mark.parametrize("content", [b"", b"\x00\xff" * 5000, b"a;b\n1;2\n3\n", b"PK\x03\x04" + bytes(100),
                                      b"\x89HDF\r\n\x1a\n" + bytes(200)])  # fmt: skip
-def test_junk_is_a_sentence(tmp_path: Path, name: str, content: bytes) -> None:
+def test_junk_is_refused_in_one_sentence(tmp_path: Path, name: str, content: bytes) -> None:
     from daq.formats.wave import FormatError
 
     (tmp_path / name).write_bytes(content)
