@@ -153,13 +153,15 @@ def _case_today(case: Mapping[str, Any], about: Any) -> dict[str, Any]:
     if isinstance(at, Mapping):
         found["at"] = {path_today(str(path)): _word_today(path, at[path]) for path in at}
     if isinstance(levels, list):
-        found["levels"] = [
-            {**level, "value": _word_today(about, level["value"])}
-            if isinstance(level, Mapping) and "value" in level
-            else level
-            for level in levels
-        ]
+        found["levels"] = [_level_today(level, about) for level in levels]
     return found
+
+
+def _level_today(level: Any, about: Any) -> Any:
+    """Return a level of a case with today's word for its value."""
+    if not isinstance(level, Mapping) or "value" not in level:
+        return level
+    return {**level, "value": _word_today(about, level["value"])}
 
 
 def _word_today(path: Any, value: Any) -> Any:

@@ -1,1 +1,1 @@
-"""Records of others: mapping, checking, to a session."""
+"""Import of other laboratories' records: mapping files, checks, and the session written from them."""

@@ -1,5 +1,5 @@
-"""Records that `rig export` wrote: the file beside each says what is undone, and what the mapping
-need not repeat.
+"""Import of records that `rig export` wrote. The JSON file beside each states which corrections the
+samples have and the certificates of the channels, which the mapping need not repeat.
 """
 
 import math
@@ -16,15 +16,15 @@ from rig.importing.mapping import AccelerationColumn, Column, ForceColumn, Recor
 
 __all__ = ["certificate_of", "channel_in", "sidecar_for", "with_certificate"]
 
-SAID = ("model", "serial", "direction", "calibration_date", "gain_tolerance")
-"""Fields of a mapping's column that the certificate fills where they have their default."""
+CERTIFIED = ("model", "serial", "direction", "calibration_date", "gain_tolerance")
+"""Fields of a mapping's column that are taken from the certificate where they have their default."""
 
 
 def sidecar_for(file: Path, digest: str, mapping: RecordMap) -> Sidecar | None:
-    """Return what stands beside a record with the SHA-256 `digest`, None where there is nothing.
+    """Return the sidecar of a record with the SHA-256 `digest`, None for none.
 
-    Raises InputError where the mapping asks for a correction that is done already; FormatError for
-    a damaged file.
+    Raises InputError if the mapping asks for a correction that the samples already have, and
+    FormatError for a damaged sidecar.
     """
     found = read_sidecar(file, digest)
     if found is None or not found.corrected:
@@ -33,15 +33,15 @@ def sidecar_for(file: Path, digest: str, mapping: RecordMap) -> Sidecar | None:
         for field, none in (("time_constant", "none"), ("delay", 0.0)):
             value = getattr(column, field)
             if value != none:
-                told = f"{field} {value:g} s, which {sidecar_of(file).name} beside {file.name} says is undone already"
+                found_there = f"{field} {value:g} s, which {sidecar_of(file).name} beside {file.name} says is undone already"
                 allowed = f"no {field}, or the file of rig export --raw"
-                raise InputError(Mistake("", f"{name}.{field}", told, allowed))
+                raise InputError(Mistake("", f"{name}.{field}", found_there, allowed))
     return found
 
 
 def channel_in(sidecar: Sidecar, column: Column) -> str | None:
-    """Return the exported channel behind a mapping's column, "name", "name [unit]" or its position;
-    None for none.
+    """Return the exported channel that a mapping's column names, as "name", "name [unit]" or by its
+    position from 1; None for none.
     """
     for name, certificate in sidecar.channels.items():
         if column.channel in (name, f"{name} [{certificate['unit']}]"):
@@ -53,7 +53,7 @@ def channel_in(sidecar: Sidecar, column: Column) -> str | None:
 
 
 def certificate_of(sidecar: Sidecar | None, column: Column) -> Mapping[str, Any] | None:
-    """Return the certificate of a mapping's column; None where nothing states one."""
+    """Return the certificate of a mapping's column, None for none."""
     name = None if sidecar is None else channel_in(sidecar, column)
     return None if sidecar is None or name is None else sidecar.channels[name]
 
@@ -65,15 +65,18 @@ def with_certificate(
     corrected: bool,
     frequency: float,
 ) -> ChannelInfo:
-    """Return a row of the channel table with what the mapping leaves open filled from the
-    certificate.
+    """Return a row of the channel table whose fields that the mapping does not state are taken from
+    the certificate.
 
-    corrected: poles and delay are undone in the samples; what is not known of a pole then stays as
-    uncertainty of the channel's time, of equal phase at `frequency` (Hz).
+    corrected : whether poles and delay are corrected in the samples. The uncertainty of a pole then
+        remains as an uncertainty of the channel's delay that causes the same phase at `frequency`.
+    frequency : of the drive, Hz
     """
     default = type(column)(channel=column.channel)
     own = {
-        name: certificate[name] for name in SAID if getattr(column, name) == getattr(default, name)
+        name: certificate[name]
+        for name in CERTIFIED
+        if getattr(column, name) == getattr(default, name)
     }
     if column.calibration_U is None:
         own["calibration_U"] = certificate["calibration_U"]
@@ -87,10 +90,12 @@ def with_certificate(
             certificate["corner_tolerance"] / math.sqrt(3),
         )
         omega = 2 * math.pi * frequency
+        # Phase of a high pass: atan(1 / (omega T)); its derivative by ln T is -sin(2 phase) / 2.
         phases = [
             0.5 * spread * math.sin(2 * pole_phase(omega, pole))
             for pole, spread in zip(poles, spreads, strict=False)
         ]
+        # sqrt(3): a tolerance is the half width of a rectangular distribution.
         own["skew_tolerance"] = math.hypot(
             tolerance, *(math.sqrt(3) * phase / omega for phase in phases)
         )

@@ -1,9 +1,8 @@
-"""A record of another laboratory: read as its mapping says, gated, its frequency and whole cycles
-found. SI units.
+"""Read a record of another laboratory as its mapping says: scale it to SI units, find its frequency
+and whole cycles, and refuse it if it is not steady.
 """
 
 import hashlib
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,15 +31,20 @@ from rig.importing.mapping import (
 
 Array = NDArray[np.float64]
 
-UNEVEN = 0.02  # of a step: how far a sample may lie from its place on an even time scale
-OTHER_DRIVE = 1e-2  # relative: the drive of the record is another than the mapping's
+UNEVEN = 0.02  # largest deviation of a sample from an even time scale, as a fraction of a step
+OTHER_DRIVE = 1e-2  # largest relative difference of the record's frequency from the mapping's
 SHORTEST = 16  # samples
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """One record in SI units. settle, cycles: of the part that counts; start: sample at which it
-    begins.
+    """One record in SI units.
+
+    rate, frequency : of the samples and of the drive, Hz
+    start : first sample of the part that is analysed
+    cycles : whole cycles in that part
+    digest : SHA-256 of the file
+    sidecar : content of the file beside an exported record
     """
 
     source: Path
@@ -57,7 +61,11 @@ class Reading:
 
 
 def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
-    """A record read, scaled, gated, and its whole cycles found."""
+    """Return a record: read, scaled and checked.
+
+    Raises FormatError if the file cannot be read as the mapping says, AnalysisError if it has no
+    steady whole cycles.
+    """
     kind = mapping.format or kind_of(file)
     if kind is None:
         raise FormatError(
@@ -93,6 +101,7 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
         beside,
         columns[names[2]].samples if mapping.time else None,
     )
+    # The run's own settling time goes before the mapping's, and both before the sidecar's.
     start = round((mapping.settle if run.settle is None else run.settle) * rate)
     if sidecar is not None and run.settle is None and not mapping.settle:
         start = round(sidecar.window[0])
@@ -126,6 +135,7 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
 
 
 def _gate(file: Path, mapping: RecordMap, steady: Steadiness) -> None:
+    """Raise AnalysisError if a record is less steady than the mapping allows."""
     limits = mapping.steady
     if steady.level > limits.level or steady.phase > limits.phase:
         raise AnalysisError(
@@ -142,34 +152,34 @@ def _rate(
     beside: float | None,
     time: Array | None,
 ) -> float:
-    """Samples per second: of the mapping, the time column, the file, or the JSON file beside it."""
+    """Return the samples per second: from the time column if the mapping names one; otherwise from
+    mapping, file and sidecar, which must agree.
+
+    beside : the sidecar's rate, Hz
+    """
     if time is not None and mapping.time is not None:
         seconds = time * {"s": 1.0, "ms": 1e-3, "us": 1e-6}[mapping.time.unit]
         step = float(seconds[-1] - seconds[0]) / max(seconds.size - 1, 1)
-        apart = (
-            np.abs(seconds - seconds[0] - step * np.arange(seconds.size))
-            if step > 0
-            else np.array([math.inf])
-        )
+        apart = np.abs(seconds - seconds[0] - step * np.arange(seconds.size))
         if not step > 0 or apart.max() > UNEVEN * step:
-            where = int(np.argmax(apart))
+            where = int(np.argmax(apart)) if step > 0 else 0
             raise FormatError(
                 f"{file}: the time column is not even (sample {where}): no gap or jump is allowed"
             )
         return 1 / step
-    told = [
-        rate for rate in (mapping.rate, *(one.rate for one in channels), beside) if rate is not None
-    ]
-    if not told:
+    every = (mapping.rate, *(channel.rate for channel in channels), beside)
+    stated = [rate for rate in every if rate is not None]
+    if not stated:
         raise FormatError(
             f"{file} does not say its sampling rate: write `rate:` or `time:` in the mapping"
         )
-    if abs(told[0] / told[-1] - 1) > 1e-5:
-        raise FormatError(f"{file}: sampling rates of {told[0]:g} and {told[-1]:g} Hz")
-    return float(told[0])
+    if abs(stated[0] / stated[-1] - 1) > 1e-5:
+        raise FormatError(f"{file}: sampling rates of {stated[0]:g} and {stated[-1]:g} Hz")
+    return float(stated[0])
 
 
 def _scaled(
     samples: Array, column: ForceColumn | AccelerationColumn, units: Mapping[str, float]
 ) -> Array:
+    """Return samples in N or m/s^2, positive in the drive's direction."""
     return samples * (column.sign * units[column.unit] / (column.sensitivity or 1.0))

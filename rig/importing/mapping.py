@@ -1,5 +1,5 @@
-"""Mapping files: what the columns of a laboratory's own record mean. Read as strictly as protocols,
-every mistake.
+"""Mapping files, which state the meaning of the columns in a laboratory's own records. They are read
+as strictly as protocols: every mistake is reported.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ Mass = Annotated[float, Quantity("mass", 0.0, 1e6)]
 
 @dataclass(frozen=True)
 class Column:
-    """What force and acceleration have in common. sign: -1 where the file counts the other
-    direction. calibration_U: relative, k = 2, None for not known. delay: s by which the channel
-    comes late."""
+    """Fields that the columns of force and acceleration have in common. `sign`: -1 if the file
+    counts the other direction as positive. `calibration_U`: relative expanded uncertainty of the
+    sensitivity, k = 2, null if not known. `delay`: s by which the channel lags."""
 
     channel: str
     sign: Sign = 1
@@ -76,8 +76,8 @@ class Column:
 
 @dataclass(frozen=True)
 class ForceColumn(Column):
-    """Where the force is. sign: -1 where the file counts the force that acts on the gauge's other
-    side. noise: N rms, None: from the record."""
+    """Column of the force. `sign`: -1 if the file has the force on the gauge's other side. `noise`:
+    N rms; null estimates it from the record. `range`: N. `sensitivity`: for a column in volts."""
 
     unit: Annotated[str, one_of(*FORCE_UNITS)] = "N"
     sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
@@ -87,7 +87,8 @@ class ForceColumn(Column):
 
 @dataclass(frozen=True)
 class AccelerationColumn(Column):
-    """Where the acceleration is; noise in m/s^2 rms."""
+    """Column of the acceleration. `noise`: m/s^2 rms; null estimates it from the record. `range`:
+    m/s^2. `sensitivity`: for a column in volts."""
 
     unit: Annotated[str, one_of(*ACCELERATION_UNITS)] = "m/s^2"
     sensitivity: Annotated[
@@ -107,7 +108,9 @@ class TimeColumn:
 
 @dataclass(frozen=True)
 class CsvText:
-    """How a text file writes numbers; skip: lines before the header."""
+    """Format of a text file: delimiter of its columns, decimal sign, and `skip`, the number of lines
+    before the header.
+    """
 
     delimiter: str = ","
     decimal: str = "."
@@ -116,8 +119,8 @@ class CsvText:
 
 @dataclass(frozen=True)
 class Steady:
-    """Limits of the stationarity gate: change of the fundamental's amplitude (relative) and phase
-    (rad).
+    """Limits for a steady record: largest change of the fundamental's amplitude (relative) and of
+    its phase (rad).
     """
 
     level: Share = 0.02
@@ -126,10 +129,9 @@ class Steady:
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a condition beside the records; all of it may be left out. acceleration: the
-    level that was set.
-
-    bed: `locked` and `empty` make null tests, `dashpot` with `dashpot_c` a reference.
+    """Facts about a condition that the records do not contain; each may be left out.
+    `acceleration`: the level that was set. `bed`: `locked` and `empty` make null tests, `dashpot`
+    with `dashpot_c` a reference.
     """
 
     id: str = "c01"
@@ -148,7 +150,9 @@ class Known:
 
 @dataclass(frozen=True)
 class RunFile:
-    """One record: its file, beside the mapping file, and the condition that it belongs to."""
+    """One record: its file, in the folder given on the command line, its condition, and the time
+    left out at its start.
+    """
 
     file: str
     condition: Known = Known()
@@ -157,9 +161,9 @@ class RunFile:
 
 @dataclass(frozen=True)
 class RecordMap:
-    """A mapping. rate: Hz, None: from the file or its time column. frequency: Hz, None: found in
-    the record. settle: s left out at the start; length: s used after that, None for all. scene:
-    predicts W_T where it is written.
+    """A mapping. `rate`: Hz; null takes it from the file or its time column. `frequency`: of the
+    drive, Hz; null finds it in the record. `settle`: s left out at the start. `length`: s used
+    after that; null uses all. `scene`: if stated, W_T is predicted for it.
     """
 
     name: str
@@ -183,7 +187,7 @@ class RecordMap:
 
 @dataclass(frozen=True)
 class LoadedMap:
-    """A mapping, its text and its file."""
+    """A mapping, its text, its file, and where each field was written."""
 
     mapping: RecordMap
     text: str
@@ -192,7 +196,7 @@ class LoadedMap:
 
 
 def read_mapping(path: Path) -> LoadedMap:
-    """The mapping in a file. Raises InputError with every mistake in it."""
+    """Return the mapping in a file. Raises InputError with every mistake."""
     text = read_file(path)
     notes = Notes(
         known=tuple(paths_of(RecordMap)), renamed=FORMER_NAMES, meaning=OwnMaterials(path.parent)
@@ -202,12 +206,12 @@ def read_mapping(path: Path) -> LoadedMap:
 
 
 def mapping_schema() -> dict[str, Any]:
-    """JSON Schema of a mapping file; what hangs on the record itself is left to `rig import`."""
+    """Return the JSON Schema of a mapping file; checks against the record are left to `rig import`."""
     return document_schema(mapping_shape(), f"Mapping of a laboratory's own records, {SCHEMA}")
 
 
 def mapping_shape() -> Then:
-    """The shape of a mapping file."""
+    """Return the shape of a mapping file."""
     whole = keys_of(RecordMap)
     schema = one_of(SCHEMA)
     volts = {"required": ["unit"], "properties": {"unit": {"enum": list(VOLTS)}}}
@@ -236,7 +240,9 @@ def mapping_shape() -> Then:
 
 
 def _with_common(root: Node) -> Node:
-    """The tree whose runs have what the mapping's own `condition` says and they do not."""
+    """Return the tree with the mapping's own `condition` merged into that of each run, whose own
+    values go first.
+    """
     if not isinstance(root.value, dict) or not {"runs", "condition"} <= root.value.keys():
         return root
     runs, common = root.value["runs"], root.value["condition"]
@@ -247,6 +253,7 @@ def _with_common(root: Node) -> Node:
 
 
 def _with(run: Node, common: Node) -> Node:
+    """Return a run with the common values of its condition."""
     if not isinstance(common.value, dict) or not isinstance(run.value, dict):
         return run
     own = run.value.get("condition", Node(run.where, {}))
@@ -262,6 +269,7 @@ def _with(run: Node, common: Node) -> Node:
 def _check_column(
     column: ForceColumn | AccelerationColumn, _node: Node, path: str, notes: Notes
 ) -> ForceColumn | AccelerationColumn:
+    """Note a sign of 0, and a sensitivity that is missing or has no use."""
     if column.sign == 0:
         notes.reject(notes.place_of(f"{path}.sign"), f"{path}.sign", "0", "1 or -1")
     if not notes.spoilt(path) and (column.unit in VOLTS) != (column.sensitivity is not None):
@@ -272,12 +280,14 @@ def _check_column(
 
 
 def _check_csv(csv: CsvText, node: Node, path: str, notes: Notes) -> CsvText:
+    """Note delimiters and decimal signs that are not single, different characters."""
     if {len(csv.delimiter), len(csv.decimal)} != {1} or csv.delimiter == csv.decimal:
         notes.reject(node.where, path, "delimiter and decimal", "one character each, not the same")
     return csv
 
 
 def _check(mapping: RecordMap, _node: Node, _path: str, notes: Notes) -> RecordMap:
+    """Note a rate beside a time column."""
     if mapping.rate is not None and mapping.time is not None:
         notes.reject(notes.place_of("rate"), "rate", "a rate beside a time column", "one of them")
     return mapping

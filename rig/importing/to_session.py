@@ -1,5 +1,5 @@
-"""A laboratory's own records become a session: gate, frequency, whole cycles; the same W_exp, U and
-report after it.
+"""Write a session from a laboratory's own records. Energies, uncertainties and report are then
+computed as for a session of the rig.
 """
 
 import math
@@ -41,7 +41,7 @@ from rig.protocol.spec import Drive, Protocol
 Array = NDArray[np.float64]
 
 BLOCK = 16384  # samples
-FULL_SCALE = 2**30  # codes of the largest value: 9e-10 of it is the resolution of what was imported
+FULL_SCALE = 2**30  # code of the largest value; the resolution is 9e-10 of it
 SAME_RATE = 1e-6  # relative, between the channels of a record and between records
 SAME_PHASE = 0.02  # cycles by which the runs of one condition may drift apart over a record
 ALL_FLAGS = sum(Flag)
@@ -51,12 +51,14 @@ STUCK = 3  # equal extreme samples in a row: a clipped record
 def import_records(
     files: Sequence[Path], loaded: LoadedMap, path: Path, overwrite: bool = False
 ) -> None:
-    """Write the session `path` from records as a mapping says. files: one run each, all of the
-    mapping's condition, or the folder of the files under its `runs`.
+    """Write the session `path` from records as a mapping says.
 
-    Raises InputError for what does not fit, AnalysisError where a record is not steady, FormatError
-    where a file cannot be read, SessionError where the session cannot be written. Nothing is
-    written unless every record is good.
+    files : one run each, all of the mapping's condition; or, if the mapping lists `runs`, the
+        folder of their files
+
+    Raises InputError if mapping and records are incompatible, AnalysisError if a record is not
+    steady, FormatError if a file cannot be read, SessionError if the session cannot be written.
+    Nothing is written unless every record is usable.
     """
     wanted = _wanted(files, loaded)
     readings = [read_record(file, run, loaded.mapping) for file, run in wanted]
@@ -82,6 +84,7 @@ def import_records(
 
 
 def _wanted(files: Sequence[Path], loaded: LoadedMap) -> list[tuple[Path, RunFile]]:
+    """Return the path of each record with its entry in the mapping."""
     mapping = loaded.mapping
     if not mapping.runs:
         return [(file, RunFile(file.name, mapping.condition)) for file in files]
@@ -95,6 +98,7 @@ def _wanted(files: Sequence[Path], loaded: LoadedMap) -> list[tuple[Path, RunFil
 
 
 def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
+    """Return the plan of the session; `groups` holds the records of each condition."""
     mapping = loaded.mapping
     facts, predicted = [], {}
     for name, group in groups.items():
@@ -137,6 +141,7 @@ def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
 
 
 def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
+    """Return the plan of each run, the records of a condition in the order given."""
     plans: list[RunPlan] = []
     for name, group in groups.items():
         for repeat, reading in enumerate(group, start=1):
@@ -160,7 +165,9 @@ def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
 def _condition(
     mapping: RecordMap, known: Known, group: Sequence[Reading], frequency: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The condition's facts, and with a scene its prediction, at the level reached."""
+    """Return the facts of a condition and, if the mapping has a scene, its prediction at the level
+    reached.
+    """
     reached = math.fsum(_level(r) for r in group) / len(group)
     level = known.acceleration or reached
     settle = group[0].start * frequency / group[0].rate
@@ -188,9 +195,8 @@ def _condition(
     found = predictions([condition], rig, 1)
     facts = condition_facts(condition, rig, found[known.id][0], group[0].rate)
     predicted = prediction_document(found)["conditions"]
-    predicted[known.id]["u_settling"] = (
-        0.0  # nobody says how long the bed was shaken before the record
-    )
+    # The history of the bed before the record is not known.
+    predicted[known.id]["u_settling"] = 0.0
     ratios = model_ratios(condition, rig)
     if ratios is not None:
         predicted[known.id]["model"] = list(ratios)
@@ -204,7 +210,9 @@ def _condition(
 
 
 def _level(reading: Reading) -> float:
-    """Amplitude of the acceleration's fundamental over the whole cycles of a record, m/s^2."""
+    """Return the amplitude of the acceleration's fundamental over the whole cycles of a record,
+    m/s^2.
+    """
     stop = reading.start + round(reading.cycles * reading.rate / reading.frequency)
     return abs(
         fundamental(reading.acceleration[reading.start : stop], 0, reading.rate, reading.frequency)
@@ -212,17 +220,19 @@ def _level(reading: Reading) -> float:
 
 
 def _columns(mapping: RecordMap) -> tuple[tuple[str, ForceColumn | AccelerationColumn], ...]:
+    """Return the columns of the mapping by channel name, in the order of the channel table."""
     return (("force", mapping.force), ("acceleration", mapping.acceleration))
 
 
 def _channel(
     name: str, column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]
 ) -> ChannelInfo:
-    """The channel table's row: codes of 2^-30 of the largest value, so that nothing of the record
-    is lost.
+    """Return the row of the channel table; a code is 2^-30 of the largest value, so that no
+    resolution of the record is lost.
 
-    Noise that is not stated is what does not repeat in the quietest record: there, too, a part of
-    it may be the bed's, whose impacts differ from cycle to cycle, but in the others more of it is.
+    Noise that the mapping does not state is estimated from the differences between cycles in the
+    quietest record. The impacts of the bed differ from cycle to cycle as well, but contribute least
+    there.
     """
     largest = max(float(np.abs(getattr(reading, name)).max()) for reading in readings) or 1.0
     noise = column.noise
@@ -263,16 +273,14 @@ def _channel(
 def _certificate(
     column: ForceColumn | AccelerationColumn, readings: Sequence[Reading]
 ) -> Mapping[str, Any] | None:
-    """Return what the files beside the records say of a channel; InputError where they differ among
-    themselves.
+    """Return the certificate of a channel from the files beside the records, None for none. Raises
+    InputError if these files disagree.
     """
     first, *others = readings
     certificate = certificate_of(first.sidecar, column)
     for other in others:
-        same_kind = (other.sidecar and other.sidecar.corrected) == (
-            first.sidecar and first.sidecar.corrected
-        )
-        if not same_kind or certificate_of(other.sidecar, column) != certificate:
+        kinds = [one.sidecar and one.sidecar.corrected for one in (first, other)]
+        if kinds[0] != kinds[1] or certificate_of(other.sidecar, column) != certificate:
             found = f"{first.source.name} and {other.source.name}, whose files of rig export say different things"
             raise InputError(
                 Mistake("FILE", "", found, "records of one session, all corrected or all raw")
@@ -281,7 +289,7 @@ def _certificate(
 
 
 def _assumed(mapping: RecordMap, readings: Sequence[Reading]) -> list[dict[str, Any]]:
-    """What the mapping does not say and the uncertainty needs."""
+    """Return the values that the uncertainty needs and the mapping does not state, as assumed."""
     return [
         {"path": f"{name}.calibration_U", "value": ASSUMED_U, "unit": "", "status": "assumed",
          "source": "a usual certificate's, k = 2: the mapping states none"}
@@ -297,6 +305,7 @@ def _record(
     mapping: RecordMap,
     channels: Sequence[ChannelInfo],
 ) -> None:
+    """Write the blocks of a run, with the quality bits of clipped samples and of the sidecar."""
     values = [reading.force, reading.acceleration]
     codes = np.stack([
         np.rint(v * (channel.sensitivity / channel.scale)).astype(np.int32)
@@ -315,13 +324,15 @@ def _record(
             np.uint16
         )
         count = clipped[:, part].sum(axis=1).astype(np.uint32)
-        flags |= _told(reading.sidecar, mapping, start, start + codes[:, part].shape[1])
+        flags |= _stated_flags(reading.sidecar, mapping, start, start + codes[:, part].shape[1])
         recorder.append(run, Block(start, codes[:, part], np.asarray(flags), count, False))
     recorder.finish(run, {})
 
 
-def _told(sidecar: Sidecar | None, mapping: RecordMap, start: int, stop: int) -> NDArray[np.uint16]:
-    """Return the quality bits that the file beside a record states for samples start..stop,
+def _stated_flags(
+    sidecar: Sidecar | None, mapping: RecordMap, start: int, stop: int
+) -> NDArray[np.uint16]:
+    """Return the quality bits that the file beside a record states for samples start..stop, shape
     (channels,).
     """
     found = np.zeros(len(_columns(mapping)), np.uint16)
@@ -330,19 +341,15 @@ def _told(sidecar: Sidecar | None, mapping: RecordMap, start: int, stop: int) ->
     for number, (_, column) in enumerate(_columns(mapping)):
         name = channel_in(sidecar, column)
         for block in sidecar.flags:
-            if (
-                name is not None
-                and name in block.flags
-                and block.start < stop
-                and start < block.start + block.count
-            ):
+            overlaps = block.start < stop and start < block.start + block.count
+            if overlaps and name is not None and name in block.flags:
                 found[number] |= np.uint16(block.flags[name] & ALL_FLAGS)
     return found
 
 
 def _clipped(values: Array, limit: float | None) -> NDArray[np.bool_]:
-    """Samples at the range, or where it is not known, at the record's own extreme several times in
-    a row.
+    """Return which samples are clipped: those at the range or, if that is not known, STUCK or more
+    equal extreme values in a row.
     """
     if limit is not None:
         return np.asarray(np.abs(values) >= limit)

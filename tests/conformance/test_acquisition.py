@@ -1,4 +1,4 @@
-"""What every acquisition must do, whatever stands behind it. A new implementation joins by one line
+"""The laws that every implementation of `Acquisition` must keep. A new implementation joins by one line
 in MAKERS.
 """
 

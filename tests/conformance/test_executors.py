@@ -54,7 +54,7 @@ MAKERS: dict[str, Callable[[], Executor]] = {
 
 @dataclass
 class Counted:
-    """A campaign of so many runs; `then` is called before every part, with the run's number and the
+    """A campaign of `runs` runs; `then` is called before every part, with the run's number and the
     part's.
     """
 

@@ -69,7 +69,7 @@ def level(rng, poured, label):
 @pytest.mark.parametrize("trials", [400, pytest.param(2000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", ["optimum", "order", "rise", "fall"])
 @pytest.mark.parametrize("count", [2, 4])
-def test_equal_beds_are_rarely_told_apart(poured, kind, count, trials):
+def test_equal_beds_are_rarely_distinguished(poured, kind, count, trials):
     """The same fill under several names: every "holds" is false, and is found in at most 5 %
     (more often in 0.1 % of all seeds)."""
     rng = np.random.default_rng(9)

@@ -1,4 +1,4 @@
-"""Where a waveform crosses a level: the region behind the last crossing of a peak is the one below
+"""Where a waveform crosses a level: the region after the last crossing of a peak is the one below
 it.
 """
 
@@ -22,14 +22,14 @@ def test_a_level_that_is_just_reached_is_left_again(ulps: int, angle: float) -> 
         found = crossings(np.array([band]), P, Q, turning)
         lines = found.tables[0][: found.counts[0] + 1]
         assert (np.diff(lines[:, 0]) >= 0.0).all()
-        for phase, behind in zip(lines[:, 0], lines[:, 3], strict=True):
+        for phase, after in zip(lines[:, 0], lines[:, 3], strict=True):
             ends = lines[:, 0][lines[:, 0] > phase]
             middle = 0.5 * (phase + (ends[0] if ends.size else 2.0 * np.pi))
             a = motion(middle, P, Q)[2]
             if abs(abs(a) - band) > 1e-12:
                 last = lines[lines[:, 0] == phase][-1]
                 assert last[3] == (1.0 if a > band else -1.0 if a < -band else 0.0), (
-                    behind,
+                    after,
                     a,
                     band,
                 )

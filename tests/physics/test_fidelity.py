@@ -189,7 +189,7 @@ def series(seed: int, decay: float, size: float, ripple: float) -> Pilot:
     st.integers(1, 5),
 )
 @settings(max_examples=80)
-def test_no_window_behind_the_settling_is_off_by_more(
+def test_no_window_after_the_settling_is_off_by_more(
     seed: int, decay: float, size: float, ripple: float, allowed: float, noise: float, least: int
 ) -> None:
     pilots = [series(seed, decay, size, ripple), series(seed + 1, decay, size, ripple)]

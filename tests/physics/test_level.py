@@ -43,7 +43,7 @@ class Softening:
 
 
 def controlled(plant: Plant, target: Target, guess: complex, most: float = math.inf) -> Loop:
-    """The loop until it has ended; the command's share of `most` is the voltage limit."""
+    """Run the loop until it has ended; `most` is the command at the voltage limit."""
     loop = started(guess)
     while loop.status == "seeking":
         loop = stepped(

@@ -22,7 +22,7 @@ from rig.stand.shaker import CoupledStand
 Array = NDArray[np.float64]
 
 DRIFT = 1e-9
-"""Largest share of the work that the sum of an account may be off by, whatever the number of
+"""Largest fraction of the work by which the sum of an account may be off, whatever the number of
 cycles.
 """
 

@@ -295,7 +295,7 @@ def test_no_gas_without_slip(rig: Rig, steel: Scene, bed: str) -> None:
     )
 
 
-def test_the_shipped_losses_are_told_beside_first_principles() -> None:
+def test_the_shipped_losses_are_reported_beside_first_principles() -> None:
     """Sound goes as w^4, the viscous coefficient does not know w: the quotient falls by 16 from 20
     to 40 Hz.
     """

@@ -1,7 +1,7 @@
 """What the stated 95 % hold with refills of the bed itself, which are skewed.
 
 `PYTHONPATH=. python tests/physics/test_refill_coverage.py` prints, for each condition of fill_rate,
-the skew of 1000 pourings and the share of 4000 sessions of 4 and 8 refills whose U of W_exp holds
+the skew of 1000 refills and the fraction of 4000 sessions of 4 and 8 refills whose U of W_exp holds
 their mean, beside that of Student's U, and how many refills 93 % of the latter needs.
 """
 

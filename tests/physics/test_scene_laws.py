@@ -144,7 +144,7 @@ powers = st.integers(-6, 6).map(lambda n: 2.0**n)
 def in_other_units(
     scene: Scene, rig: Rig, motion: Waveform, m: float, kg: float, s: float
 ) -> tuple[Scene, Rig, Waveform]:
-    """The same experiment with every length, mass and time so many times as large."""
+    """Return the same experiment with every length, mass and time scaled."""
     cavity = replace(
         scene.cavity,
         **{k: m * getattr(scene.cavity, k) for k in ("length", "width", "height", "wall")},
@@ -200,7 +200,7 @@ def test_units_change_nothing(bed: str, rig: Rig, data: st.DataObject) -> None:
 @given(data=st.data())
 @laws
 def test_proportional_to_density(bed: str, rig: Rig, data: st.DataObject) -> None:
-    """Twice, four times .. the density: so many times the energies of the bed, exactly. A dashpot
+    """The energies of the bed are proportional to the density, exactly for powers of two. A dashpot
     has none.
     """
     scene, rig = replace(data.draw(scenes(bed)), losses=()), data.draw(rigs(rig))

@@ -99,7 +99,7 @@ def test_energy_closes_whatever_happens(
 def test_a_single_mass_that_slides_back_to_a_wall_ends_at_it(far: float, sign: float) -> None:
     """A single mass without restitution, thrown off a wall by a sine, slides back by as much in
     each of 20 cycles (from a friction of .73 on; below, it meets the wall again). It ends at the
-    wall, never behind it, and in front of it by no more than a rounding of its way, below 2 pi, a
+    wall, never beyond it, and before it by no more than a rounding of its way, below 2 pi, a
     cycle. With the sine turned over, the same at the upper wall."""
     waveform = (np.array([sign]), np.zeros(1))
     low, high = (0.0, far) if sign > 0.0 else (-far, 0.0)
@@ -292,7 +292,7 @@ def moved(t: float, q: float, weight: float, gap: float, band: float) -> float:
 
 
 def departure(direction: Callable[[float], float], t: float, end: float) -> float:
-    """First phase behind t at which a direction shows, or the end."""
+    """First phase after t at which a direction shows, or the end."""
     later = next((x for x in np.arange(t, end, 1e-3)[1:] if direction(x)), None)
     if later is None:
         return end

@@ -19,7 +19,7 @@ RATE = 4096 * 20.0
 
 
 def sliding(rig: Rig, scene: Scene, copies: int) -> CoupledStand:
-    """48 rows of scattered friction and speed in endless room, each cut into so many equal ones."""
+    """48 rows of scattered friction and speed in unlimited space, each cut into equal ones."""
     rng = np.random.default_rng(1)
     band, speed = rng.uniform(0.0, 3.0, 48), rng.normal(0.0, 0.05, 48)
     bed = TwoWay(0.0, 0.0, 0.3 / copies, 0.5, np.tile(band, copies), np.full(48 * copies, 1e3))

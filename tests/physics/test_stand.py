@@ -150,7 +150,7 @@ def test_the_records_hold_the_ledgers_work(rig: Rig, steel: Scene, acceleration:
     cycles.
 
     An impact counts whole in its interval of 1/4096 cycle, its phase inside is lost: of each of the
-    >1000 impacts per cycle a share of at most w dt = 1.5e-3, at random: below 1.5e-3/sqrt(12 x
+    >1000 impacts per cycle a fraction of at most w dt = 1.5e-3, at random: below 1.5e-3/sqrt(12 x
     1000) = 1.4e-5 of W; 4 sigma.
     """
     motion = waveform(Drive(acceleration=acceleration), 0.003, 0.003, np.random.default_rng(5))

@@ -68,7 +68,7 @@ def reference(
     """Velocities of box and row at the end and the heat till then, by an integrator with events:
     ride, slip, ride.
 
-    The row stands in the middle of endless room, the amplifier gives a current A sin(wt). Riding,
+    The row stands in the middle of unlimited space, the amplifier gives a current A sin(wt). Riding,
     its mass is the box's; slipping, friction is constant; it begins to slip where the box would
     pull it by more than `band`.
     """

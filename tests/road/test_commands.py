@@ -1,4 +1,4 @@
-"""The command line: exit codes, messages, JSON, and that bad input leaves nothing behind."""
+"""The command line: exit codes, messages, JSON, and that bad input leaves no files."""
 
 import json
 import os

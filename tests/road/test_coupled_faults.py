@@ -69,9 +69,9 @@ def test_impacts_of_a_healthy_bed_are_no_fault(
     assert {key: entry["flags"] for key, entry in found.items() if entry["flags"]} == {}
 
 
-def test_faults_are_told_in_the_force_and_between_rare_impacts(tmp_path: Path) -> None:
+def test_faults_are_detected_in_the_force_and_between_rare_impacts(tmp_path: Path) -> None:
     """docs/acquisition.md: noise and slips at the force at any level, at the acceleration where
-    impacts leave it quiet; noise that was there all along has nothing beside it to be told from."""
+    impacts leave it quiet; noise that was there all along cannot be distinguished from anything."""
     found = runs(FAULTS, tmp_path)
     for (_, level, repeat), entry in found.items():
         if repeat in (1, 6):

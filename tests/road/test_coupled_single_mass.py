@@ -81,7 +81,7 @@ def test_a_single_mass_that_never_leaves_the_floor_of_a_light_box_loses_nothing(
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_box_without_a_lid_is_one_whose_lid_is_out_of_reach(restitution: float) -> None:
-    """A single mass on the floor is held there within a share of its room: without a lid that was
+    """A single mass on the floor is held there within a fraction of its gap: without a lid that was
     0.1 m, and no flight so low ever landed."""
     taken = []
     for gap in (0.055, "none"):

@@ -69,7 +69,7 @@ def test_corners_ten_per_cent_apart_are_within_what_is_stated(
 def test_a_sensor_that_clips_in_impacts_is_flagged_though_the_record_shows_none(
     tmp_path: Path,
 ) -> None:
-    """Few rows hit together: 2.2 kN for less than a sample is 5 V at the sensor, and 3 V behind the
+    """Few rows hit together: 2.2 kN for less than a sample is 5 V at the sensor, and 3 V after the
     filter.
     """
     few = (

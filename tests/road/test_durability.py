@@ -128,7 +128,7 @@ def test_a_full_disk_stops_with_three_and_keeps_what_was_there(
 
 
 @pytest.mark.parametrize("how", ["removed", "renamed"])
-def test_a_folder_that_goes_is_told_with_three(tmp_path: Path, how: str) -> None:
+def test_a_folder_that_disappears_ends_with_code_3(tmp_path: Path, how: str) -> None:
     out = tmp_path / "o"
     with recording(tmp_path, out) as process:
         if how == "removed":
@@ -157,7 +157,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(
     assert list(closed.iterdir()) == []
 
 
-def test_no_room_for_the_session_is_told_with_three(small: Path, tmp_path: Path) -> None:
+def test_no_room_for_the_session_ends_with_code_3(small: Path, tmp_path: Path) -> None:
     command = [
         sys.executable,
         "-c",

@@ -39,7 +39,7 @@ def campaign(*sets: str) -> Campaign:
     return campaign_of(protocol, load_rig(protocol.rig), SMALL)
 
 
-def test_the_coil_tells_the_same_energy_without_errors_of_instruments(tmp_path: Path) -> None:
+def test_the_coil_gives_the_same_energy_without_instrument_errors(tmp_path: Path) -> None:
     """Within the arithmetic that every comparison is granted: 1e-4 of W and 5e-6 rad of the
     reactive energy.
     """
@@ -88,7 +88,7 @@ def test_the_first_two_channels_do_not_know_of_the_others() -> None:
 
 
 def test_current_and_voltage_are_what_the_demand_says() -> None:
-    """Fundamental of the recorded channels against the share of the limits that `demand` states."""
+    """Fundamental of the recorded channels against the utilisation of the limits that `demand` states."""
     rig, motion = load_rig("paper"), Waveform(20.0, 4.0)
     scene = conditions(load_protocol(SMALL))[4].scene
     stand = Stand(scene, rig, motion, nominal(scene, rig), 4096 * 20.0)

@@ -150,7 +150,7 @@ HIDDEN = [
 
 
 @pytest.mark.parametrize(("fault", "beds"), HIDDEN)
-def test_what_nothing_tells_is_small_or_old_or_among_impacts(
+def test_undetected_faults_are_small_or_old_or_among_impacts(
     tmp_path: Path, fault: str, beds: tuple[str, ...]
 ) -> None:
     """docs/acquisition.md lists these: they pass this check. A record alone cannot know a gain that

@@ -233,13 +233,13 @@ def test_peaks_beyond_the_exciter_are_those_of_all_rows(tmp_path: Path) -> None:
         assert few.peak > 1.5 * all_rows.peak
         assert scalars["use_peak"] == pytest.approx(
             all_rows.peak, rel=0.02
-        )  # 16 cycles behind the start, or 40
+        )  # 16 cycles after the start, or 40
         assert scalars["use_buckling"] == pytest.approx(all_rows.buckling, rel=0.02)
         assert scalars["use_force"] == pytest.approx(few.force, rel=0.01)
         assert few.force == pytest.approx(all_rows.force, rel=0.03)
 
 
-def test_check_tells_the_peak_with_all_rows() -> None:
+def test_check_states_the_peak_with_all_rows() -> None:
     """As written with 8 rows both numbers are told; under auto that of all rows is the one, as in
     the runs.
     """
@@ -257,7 +257,7 @@ def test_check_tells_the_peak_with_all_rows() -> None:
     assert not any("buckling" in flag for flag in (*written.beyond, *auto.beyond))
 
 
-def test_as_written_nothing_is_told(tmp_path: Path) -> None:
+def test_as_written_no_fidelity_is_reported(tmp_path: Path) -> None:
     made = campaign(
         "fidelity=as_written", "tolerance=null", "vary={drive.acceleration: [2, 5]}", *IDEAL
     )

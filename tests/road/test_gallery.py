@@ -108,7 +108,7 @@ def test_friction_is_no_angle_and_the_coil_shows_in_the_empty_box(tmp_path: Path
     assert null["verdict"] == "holds"
     assert (
         null["U_dphi"] < 1e-4
-    )  # what rubs is told from an angle: 5 mrad would be found fifty times over
+    )  # friction is distinguished from an angle: 5 mrad would be found fifty times over
     coil = report_of(folder / "coil.yaml", tmp_path / "coil", varies=NULL)
     assert [null["verdict"] for null in coil["nulls"]] == ["holds"]
     assert "does not hold" in {

@@ -92,7 +92,7 @@ def test_U_holds(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLANS)
 def test_U_holds_in_93_to_97_of_100_sessions(name: str) -> None:
-    """Of 2000: a share of 95 % leaves the band with a chance of 4e-5."""
+    """Of 2000: a true coverage of 95 % leaves the band with a probability of 4e-5."""
     shares, _ = held(PLANS[name], 2000)
     assert ((shares >= 0.93) & (shares <= 0.97)).all(), shares
 

@@ -58,7 +58,7 @@ def test_a_hundred_minutes_take_no_more_than_one(small: Path, tmp_path: Path) ->
 
 
 def exported_megabytes(protocol: Path, folder: Path, cycles: int, to: str) -> float:
-    """Peak memory of an export of one run of so many cycles."""
+    """Peak memory of an export of one run of `cycles` cycles."""
     peak_megabytes(protocol, folder, cycles, "repeats=1")
     words = [
         "export",

@@ -1,4 +1,4 @@
-"""A deliberate phase error of 5 mrad is found by the locked bed, and told from guide friction by
+"""A deliberate phase error of 5 mrad is found by the locked bed, and distinguished from guide friction by
 its growth with a.
 """
 

@@ -97,7 +97,9 @@ def test_an_incomplete_session_is_replayed_as_far_as_it_goes(session: Path, tmp_
         assert (found.samples, found.complete) == (acquisition.sizes[0], False)
 
 
-def test_the_command_says_what_run_says(rig_command: Rig, session: Path, tmp_path: Path) -> None:
+def test_the_command_prints_the_same_as_run(
+    rig_command: Rig, session: Path, tmp_path: Path
+) -> None:
     done = rig_command("replay", session, "--out", tmp_path / "o")
     assert done.returncode in (0, 1), done.stderr
     assert "verdict:" in done.stdout

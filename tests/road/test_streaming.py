@@ -57,7 +57,7 @@ def test_w_while_it_streams_is_the_w_of_the_analysis(tmp_path: Path, sets: tuple
     assert looks[-1].cycles == looks[-1].of == energy.cycles
 
 
-def test_a_look_tells_levels_and_flags(tmp_path: Path) -> None:
+def test_a_live_update_has_levels_and_flags(tmp_path: Path) -> None:
     made, looks = watched(
         tmp_path, *ONE, "faults=[{kind: bias, channel: force, start: 20, duration: 1, size: 150 %}]"
     )
@@ -94,12 +94,12 @@ def test_a_trigger_moves_the_record_and_no_energy(tmp_path: Path, trigger: str) 
             )
 
 
-def test_nothing_to_trigger_is_told(tmp_path: Path) -> None:
+def test_a_record_that_is_never_triggered_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a level that is not passed"):
         run(campaign(*ONE, "acquire.trigger={channel: force, level: 95 %, patience: 20}"), tmp_path)
 
 
-def test_too_slow_a_machine_is_told_recorded_and_resumed(
+def test_a_machine_that_is_too_slow_is_reported_recorded_and_resumed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A million times the speed, no margin: the first late block is recorded with its flag, the run

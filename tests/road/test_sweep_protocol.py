@@ -58,7 +58,7 @@ def test_the_shift_of_a_parabola_is_its_curvature() -> None:
 
 def test_a_sweep_shows_the_frequency_response(tmp_path: Path) -> None:
     """Through the resonance of the mount, downwards: every point is off the exact response by no
-    more than the shift that the sweep states of itself and 0.5 % for what comes behind the
+    more than the shift that the sweep states of itself and 0.5 % for what comes after the
     curvature, the apparent mass is right. Not at the end: under the locked bed the box meets its
     own resonance at 2.2 Hz, which the sweep does not see whole."""
     protocol = load_protocol(SWEEP)
@@ -106,7 +106,7 @@ def _told_truly(report: Report) -> None:
     assert all(one.run in str(drawn) for one in report.sweeps)
 
 
-def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
+def test_flags_of_swept_runs_are_reported(tmp_path: Path) -> None:
     """An amplifier that clips fails the session, and the flags say in which runs and how far beyond
     the limit.
     """
@@ -122,7 +122,7 @@ def test_flags_of_swept_runs_are_told(tmp_path: Path) -> None:
     assert "clipped" in report_sentences.found(report)[-1]
 
 
-def test_looking_ahead_tells_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_predicts_no_energy_of_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
     protocol = load_protocol(SWEEP, ["acquire.record=60 cycles"])
     assert (
         check_protocol(campaign_of(protocol, load_rig("paper"), SWEEP), strict=False, as_json=False)

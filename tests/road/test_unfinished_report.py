@@ -1,4 +1,4 @@
-"""A report that was killed while it was written is told from a whole one."""
+"""A report that was killed while it was written is distinguished from a complete one."""
 
 import json
 import os
@@ -62,7 +62,7 @@ def killed_at_move(session: Path, move: int) -> None:
 
 
 @pytest.mark.parametrize("move", [0, 1, 2, 4, -1])
-def test_a_mix_is_told_and_mended(
+def test_a_mix_of_old_and_new_files_is_reported_and_mended(
     session: Path, move: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     old = contents(session)

@@ -139,14 +139,14 @@ def session_of(plan: Plan, seed: int) -> tuple[MemoryRecord, dict[str, Any]]:
 
 
 def allowed(count: int, chance: float = 0.025) -> int:
-    """The most failures of so many sessions that a true share of FAILING exceeds with less than
+    """The number of failures that a true fraction FAILING exceeds with less than
     this chance.
     """
     return int(stats.binom.ppf(1 - chance, count, FAILING))
 
 
 def failures(plan: Plan, count: int, first: int = 1) -> tuple[int, Counter[str]]:
-    """Sessions that fail, of so many seeds, and the checks behind it."""
+    """Sessions that fail, of the given seeds, and the checks that they fail."""
     failed, checks = 0, Counter[str]()
     for seed in range(first, first + count):
         _, report = session_of(plan, seed)
@@ -194,7 +194,7 @@ def test_a_healthy_rig_passes_wherever_its_instruments_are() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", HEALTHY)
 def test_healthy_rigs_pass(name: str) -> None:
-    """At most 29 of 400: exceeded by a true share of 5 % with a chance of 2 %."""
+    """At most 29 of 400: exceeded by a true fraction of 5 % with a probability of 2 %."""
     case = HEALTHY[name]
     failed, checks = failures(case.plan(), case.seeds)
     assert failed <= allowed(case.seeds), checks
@@ -248,7 +248,7 @@ def misbelieved(record: MemoryRecord, fault: str, truth: bool = True) -> dict[st
 def power(
     plan: Plan, count: int, faults: list[str], first: int = 1, alone: bool = False
 ) -> Counter[str]:
-    """Of so many sessions those in which each fault is found; alone: by nulls, references and
+    """The sessions in which each fault is found; alone: by nulls, references and
     signs, without ledger.
     """
     found = Counter[str]()

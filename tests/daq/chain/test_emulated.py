@@ -91,7 +91,7 @@ def test_a_source_is_read_no_further_than_needed() -> None:
 
 
 def pulses(volts: float, every: int) -> Callable[[np.ndarray], np.ndarray]:
-    """One interval of so many volts in `every`, the rest silent: an impact."""
+    """One interval at a voltage in every `every`, zero in the others: an impact."""
     return lambda index: np.where(index % every == 3, volts, 0.0)
 
 

@@ -84,7 +84,7 @@ def test_cutting_changes_the_draws_and_nothing_else_draws_them() -> None:
     np.testing.assert_array_equal(codes[0], codes[1])
 
 
-def test_the_channel_table_tells_it() -> None:
+def test_the_channel_table_states_it() -> None:
     """K/f above every spot's excess: 39^2 x 1, 11^2 x 10, 3.4^2 x 100 less the floor: the first is
     the largest.
     """

@@ -96,7 +96,7 @@ def test_a_node_is_read_as_plain_data_are(name: str) -> None:
     same()
 
 
-def test_every_deviation_is_told_with_its_path() -> None:
+def test_every_deviation_is_reported_with_its_path() -> None:
     wrong = {"x": 2, "name": "c", "more": [1, 2.5, "x"], "free": 0}
     assert list(deviations(wrong, POINT, "point")) == [
         "point.x is 2, expected a number from 0 to 1",

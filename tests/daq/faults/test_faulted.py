@@ -32,7 +32,7 @@ def test_the_other_channel_and_the_other_samples_pass(kind: str) -> None:
     assert found.flags[0] == whole.flags[0]
 
 
-def test_what_each_makes_of_the_codes() -> None:
+def test_the_codes_of_each_fault() -> None:
     before = clean().read(N).codes[1].astype(float)
     part = slice(START, STOP)
     one = before[part]
@@ -62,7 +62,7 @@ def test_noise_has_its_size() -> None:
     )
 
 
-def test_the_converter_tells_lost_samples_and_an_open_sensor_and_nothing_else() -> None:
+def test_the_converter_flags_lost_samples_and_an_open_sensor_only() -> None:
     known = {"dropout": Flag.GAP, "cable_open": Flag.IEPE_OPEN}
     for kind in KINDS:
         found = block(kind, 2.0 if kind == "clock_slip" else 0.01, iepe=True)

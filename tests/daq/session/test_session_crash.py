@@ -231,7 +231,7 @@ def test_a_killed_writers_file_that_is_damaged_too_is_refused_at_once(tmp_path: 
     assert path.read_bytes() == before
 
 
-def test_a_living_writer_is_told_from_a_dead_one(tmp_path: Path) -> None:
+def test_a_living_writer_is_distinguished_from_a_dead_one(tmp_path: Path) -> None:
     path = tmp_path / "session.h5"
     with writing(path) as writer:
         assert is_locked(path)

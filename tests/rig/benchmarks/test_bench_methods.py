@@ -69,7 +69,7 @@ def test_ours_is_exact(problem: Slider) -> None:
 @pytest.mark.parametrize(
     "problem", [sliding_block(0.3), elastic(0.2, 1.3, 0.25)], ids=lambda p: p.name
 )
-def test_the_state_behind_the_last_cycle(method: Method, problem: Slider) -> None:
+def test_the_state_after_the_last_cycle(method: Method, problem: Slider) -> None:
     """Place and velocity after settle + 4 cycles against closed flights; a block starts on its
     orbit and is back after every cycle. Ours to the round-off of some fifty events, others within
     what their finer settings leave."""
@@ -149,7 +149,7 @@ def test_a_rebound_settles_within_the_cycles_that_it_is_given() -> None:
     assert np.ptp(later[problem.settle :]) < 1e-13
 
 
-def test_a_method_that_cannot_go_on_says_so() -> None:
+def test_a_method_that_cannot_continue_reports_it() -> None:
     """Elastic walls without friction, a vanishing clearance: events without end for the row, which
     is refused by name.
     """

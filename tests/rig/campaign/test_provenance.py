@@ -5,7 +5,7 @@ import pytest
 from rig.campaign.provenance import cpu, provenance
 
 
-def test_the_processor_and_what_chooses_its_instructions_are_told(
+def test_provenance_names_the_processor_and_the_options_of_its_instructions(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("NPY_DISABLE_CPU_FEATURES", "AVX512F")

@@ -1,4 +1,4 @@
-"""What the paper leaves open is named as assumed, with the values that a protocol uses."""
+"""Values that the paper does not state are listed as assumed, with those that a protocol uses."""
 
 import pytest
 

@@ -136,7 +136,7 @@ def test_a_wide_table_wraps_and_cuts_nothing() -> None:
     assert sorted(" ".join(shown[1:]).split()) == sorted(f"x {words} {words}".split())
 
 
-def test_progress_says_a_line_for_every_tenth_where_nobody_watches(
+def test_progress_prints_a_line_for_every_tenth_without_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with progress("runs") as watch:

@@ -39,21 +39,21 @@ HEAD = "schema: rig/protocol/1\nname: x\n"
         ("rig: default\n", (), (), "paper"),
     ],
 )
-def test_an_old_name_in_a_protocol_tells_the_new_one(
+def test_an_old_name_in_a_protocol_is_an_error_that_states_the_new_one(
     text: str, sets: tuple[str, ...], varies: tuple[str, ...], new: str
 ) -> None:
     with pytest.raises(InputError, match=rf"renamed: write '[a-z.]*{new}'"):
         load_protocol(HEAD + text, sets, varies)
 
 
-def test_an_old_name_in_a_rig_file_tells_the_new_one(tmp_path: Path) -> None:
+def test_an_old_name_in_a_rig_file_is_an_error_that_states_the_new_one(tmp_path: Path) -> None:
     file = tmp_path / "rig.yaml"
     file.write_text("schema: rig/rig/1\nname: mine\nrefill_play: 0.1\n")
     with pytest.raises(InputError, match="renamed: write 'refill_clearance'"):
         load_rig(file)
 
 
-def test_an_old_name_in_a_mapping_tells_the_new_one(tmp_path: Path) -> None:
+def test_an_old_name_in_a_mapping_is_an_error_that_states_the_new_one(tmp_path: Path) -> None:
     file = tmp_path / "map.yaml"
     file.write_text(
         "schema: rig/map/1\nname: lab\nforce: {channel: '1'}\nacceleration: {channel: '2'}\n"
@@ -64,7 +64,7 @@ def test_an_old_name_in_a_mapping_tells_the_new_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("old", "new"), FORMER_PROTOCOLS.items())
-def test_a_protocol_of_an_old_name_tells_the_new_one(old: str, new: str) -> None:
+def test_an_old_protocol_name_is_an_error_that_states_the_new_one(old: str, new: str) -> None:
     for source in (old, f"protocols/{old}.yaml", f"{old}.yaml"):
         with pytest.raises(InputError, match=rf"renamed: write '[a-z.]*{new}'"):
             load_protocol(source)

@@ -52,7 +52,7 @@ def test_a_list_is_read_and_written_back() -> None:
         ("stuck", "a mapping"),
     ],
 )
-def test_mistakes_are_told_with_their_place(fault: str, words: str) -> None:
+def test_mistakes_are_reported_with_their_place(fault: str, words: str) -> None:
     with pytest.raises(InputError) as caught:
         load_protocol(PLAIN + f"faults:\n  - {fault}\n")
     mistake = caught.value.mistakes[0]
@@ -64,7 +64,7 @@ def test_mistakes_are_told_with_their_place(fault: str, words: str) -> None:
     assert mistake.field.startswith("faults[1]")
 
 
-def test_what_is_no_list_is_told() -> None:
+def test_a_value_that_is_not_a_list_is_reported() -> None:
     with pytest.raises(InputError, match="a list of faults"):
         load_protocol(PLAIN + "faults: {kind: stuck}\n")
 

@@ -45,7 +45,7 @@ def test_a_file_comes_first_and_a_folder_does_not(
 @pytest.mark.parametrize(
     "words", [["run"], ["check"], ["model"], ["calibrate", "--target", "0.07", "--out", "x.yaml"]]
 )
-def test_a_name_that_is_not_shipped_is_told_the_nearest(
+def test_an_unknown_name_gets_the_nearest_one_as_hint(
     words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -58,7 +58,7 @@ def test_a_name_that_is_not_shipped_is_told_the_nearest(
 
 
 @pytest.mark.parametrize("path", ["protocols/fill_rate.yaml", "fill_rate.yaml", "gallery/scew"])
-def test_a_path_that_is_not_there_is_told_the_name(
+def test_a_missing_path_gets_the_shipped_name_as_hint(
     path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

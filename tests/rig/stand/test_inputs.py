@@ -92,7 +92,7 @@ def test_ranges_left_to_the_look_ahead() -> None:
         ("acquire={coupling: AC}\n", ""),
     ],
 )
-def test_what_does_not_fit_is_told(change: str, words: str) -> None:
+def test_incompatible_inputs_are_reported(change: str, words: str) -> None:
     sets = (
         [change.strip()]
         if words
