@@ -32,7 +32,7 @@ ALLOWED = {
         "matplotlib",
     ),
     "rig.documents": ("rig.documents", "rig.errors", "daq.documents", "daq.regular_files", "yaml"),
-    "rig.kernels": ("rig.kernels", "numpy", "numba"),
+    "rig.kernels": ("rig.kernels", "numpy", "numba", "llvmlite"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.beds": (
         "rig.beds",

@@ -1,0 +1,1 @@
+"""Resolved grains: soft spheres with rotation in a box, one compiled time loop."""
