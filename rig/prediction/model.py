@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rig.beds.janssen_stack import Filling, Stack, bed_mass, layer_count, nominal, stack
+from rig.beds.column import rows_of
+from rig.beds.janssen_stack import Filling, Stack, bed_mass, layer_count, nominal
 from rig.beds.layers import cannot_follow
 from rig.beds.single_mass import single_mass, too_many_events
 from rig.catalog.entries import Rig
 from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE
-from rig.protocol.spec import Condition, Scene
+from rig.protocol.spec import BEDS_OF_ROWS, Condition, Scene
 from rig.stand.box import box_mass
 from rig.theory.chain import grains_in_row
 from rig.theory.friction import friction_energy_per_slip, janssen_length
@@ -25,6 +26,7 @@ from rig.theory.total import (
     as_printed_collision,
     layers_total,
     plastic_bound,
+    slider_bound,
 )
 
 LEVELS = (0.97, 0.98, 0.99, 1.0, 1.01, 1.02, 1.03)
@@ -99,7 +101,7 @@ def total_of(
     """Return W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
     if scene.bed == "single_mass":
         return single_mass_variant(scene, rig, filling, acceleration, frequency).total
-    return layers_variant(scene, stack(scene, rig, filling), acceleration, frequency)
+    return layers_variant(scene, rows_of(scene, rig, filling), acceleration, frequency)
 
 
 def single_mass_variant(
@@ -127,14 +129,14 @@ def layers_variant(
     scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
     window: tuple[int, int] | None = None,
 ) -> ModelEnergy:  # fmt: skip
-    """Return the event-resolved energy (layers variant) of a scene's stack at one acceleration; zero
-    for beds that do not slide by design.
+    """Return the event-resolved energy of the rows of bed `layers` or `column` at one acceleration;
+    zero for beds that do not slide by design.
 
     window : (first cycle, one past the last) of an additional mean
 
     Raises InputError if a row cannot be followed.
     """
-    if scene.bed != "layers":
+    if scene.bed not in BEDS_OF_ROWS:
         return NOTHING
     try:
         return layers_total(
@@ -188,7 +190,7 @@ def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Pr
             scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency
         )
         return _single_mass_prediction(condition, rig, found)
-    bed = stack(scene, rig, nominal(scene, rig))
+    bed = rows_of(scene, rig, nominal(scene, rig))
     return _prediction(
         condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles)
     )
@@ -206,7 +208,7 @@ def predict_about(
     scene, drive = condition.scene, condition.drive
     if scene.bed == "single_mass":
         return _single_mass_about(condition, rig)
-    bed = stack(scene, rig, nominal(scene, rig))
+    bed = rows_of(scene, rig, nominal(scene, rig))
     levels = [drive.acceleration * level for level in LEVELS]
     totals = [
         layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition))
@@ -316,7 +318,7 @@ def _single_mass_prediction(condition: Condition, rig: Rig, found: SingleMassTot
 def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) -> Prediction:
     scene, drive = condition.scene, condition.drive
     velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
-    has_grains = scene.bed in ("layers", "locked")
+    has_grains = scene.bed in (*BEDS_OF_ROWS, "locked")
     mass = bed_mass(scene, rig.packing_shaken) if has_grains else 0.0
     return Prediction(
         bed_mass=mass,
@@ -327,7 +329,16 @@ def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) 
         W_c=total.collision,
         W_T=total.total,
         W_T_as_printed=as_printed_variant(scene, rig, velocity),
-        bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
+        bound=_bound(scene, bed, mass, velocity),
         period=total.period,
         periodic_share=total.periodic_share,
     )
+
+
+def _bound(scene: Scene, bed: Stack, mass: float, velocity: float) -> float:
+    """Return the upper bound of the energy that a bed dissipates per cycle, J; 0 for beds that do
+    not slide.
+    """
+    if scene.bed == "column":
+        return slider_bound(mass, velocity)
+    return plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0

@@ -19,10 +19,11 @@ from rig.protocol.faults import Fault
 from rig.units import Quantity
 
 SCHEMA = "rig/protocol/1"
-BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "grains", "loop_back")
-BUILT_BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "loop_back")
+BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "column", "grains", "loop_back")
+BUILT_BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "column", "loop_back")
 LOOP_BACK = "loop_back"  # no bed: the box is empty and one voltage is connected to all inputs
-HORIZONTAL_ONLY_BEDS = ("layers",)
+HORIZONTAL_ONLY_BEDS = ("layers", "column")
+BEDS_OF_ROWS = ("layers", "column")  # beds made of rows that slide in the box
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("prescribed", "shaker")
 BUILT_MODES = ("prescribed", "shaker")
