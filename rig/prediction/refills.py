@@ -20,7 +20,7 @@ from daq.random_streams import stream
 from rig.beds.janssen_stack import Filling, layer_count, mobile_share, stack
 from rig.catalog.entries import Rig
 from rig.errors import InputError
-from rig.prediction.model import SINGLE_MASS_AVERAGE, single_mass_variant
+from rig.prediction.own import SINGLE_MASS_AVERAGE, single_mass_variant
 from rig.protocol.spec import Condition
 from rig.theory.friction import slip_distance
 from rig.theory.total import TooManyEvents, layer_energies

@@ -163,7 +163,8 @@ def outside(
     axis: str = "horizontal",
     cavity: str = "box",
 ) -> tuple[str, ...]:
-    """Return why the formula is not stated for a bed, a sentence each; empty where it is.
+    """Return why the formula is not stated for a bed, a sentence each; empty where it is. The
+    sentences hold no values, so that equal reasons of many conditions are equal.
 
     flow : depth of flow in grain diameters; level : a/g
     """
@@ -173,19 +174,19 @@ def outside(
         (wall_friction <= 0.0, "the walls are frictionless, and the column hangs on them"),
         (
             not _inside(bed.fill, FILLS),
-            f"the fill {bed.fill:.3g} lies outside {FILLS[0]:g} to {FILLS[1]:g}",
+            f"the fill lies outside {FILLS[0]:g} to {FILLS[1]:g}",
         ),
         (
             not _inside(level, LEVELS),
-            f"the level {level:.3g} g lies outside {LEVELS[0]:g} to {LEVELS[1]:g} g",
+            f"the level lies outside {LEVELS[0]:g} to {LEVELS[1]:g} g",
         ),
         (
             level < TALL * (1.0 - ROUNDING) and bed.height > bed.length,
-            f"the box is taller than long, and the level {level:.3g} g lies below {TALL:g} g",
+            f"the box is taller than long, and the level lies below {TALL:g} g",
         ),
         (
             flow < LEAST_FLOW,
-            f"the flow is {flow:.2g} grains deep, shallower than one grain",
+            "the flow is shallower than one grain",
         ),
     )
     return tuple(sentence for applies, sentence in reasons if applies)

@@ -17,7 +17,8 @@ from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling, Waveform, waveform
 from rig.errors import InputError
 from rig.prediction.document import model_row, prediction_document
-from rig.prediction.model import READ, SINGLE_MASS_LEVELS, misread, predict, predict_about
+from rig.prediction.model import predict, predict_about
+from rig.prediction.own import READ, SINGLE_MASS_LEVELS, misread
 from rig.protocol.spec import Acquire, Axis, Cavity, Condition, Drive, Grains, Scene, SingleMass
 from rig.stand.box import box_mass
 from rig.stand.ledger import CLOSES, COLUMNS
@@ -79,7 +80,7 @@ def test_joules_of_a_locked_single_mass(rig: Rig, level: float) -> None:
     energy = point.W_T
     assert energy == pytest.approx(2 * np.pi**2 * mass * (G / OMEGA) ** 2, rel=1e-9)
     assert point.bound == pytest.approx(mass * G * level * G / OMEGA / 20.0, rel=1e-12)
-    assert (point.W_f, point.W_T_as_printed, point.periodic_share) == (0.0, 0.0, 1.0)
+    assert (point.W_f, point.W_T_as_printed, point.periodic_share) == (0.0, None, 1.0)
 
 
 def test_joules_without_weight_and_on_a_rough_floor(rig: Rig) -> None:
