@@ -94,13 +94,14 @@ def motions(draw: st.DrawFn, drive: Drive, exact: bool = False) -> Waveform:
     )
 
 
-def rigs(rig: Rig) -> st.SearchStrategy[Rig]:
+def rigs(rig: Rig, bed: str) -> st.SearchStrategy[Rig]:
     """The rig with other friction and restitution; few of these, since a file's collision is found
-    once for each.
+    once for each. Bed `column` is known for the friction of its table alone.
     """
+    friction = st.just(0.0) | st.floats(1e-6, 1.0)
     return st.builds(
         replace, st.just(rig),
-        grain_friction=st.just(0.0) | st.floats(1e-6, 1.0),
+        grain_friction=st.just(rig.grain_friction) if bed == "column" else friction,
         restitution_grains=st.sampled_from((0.5, 0.9, 0.99)),
         restitution_wall=st.sampled_from((0.0, 0.75, 1.0)),
     )  # fmt: skip

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.comparison.pooled_results import energy_ratio
+from analysis.comparison.pooled_results import energy_ratio, inside_bands
 from analysis.results.condition import Result
 from analysis.uncertainty.budget import RESOLUTION, combine
 from analysis.uncertainty.estimate import Estimate, effective_dof
@@ -356,9 +356,9 @@ def offset_within(levels: Sequence[Level], question: Question) -> Finding:
 
     An equivalence test, as for `nearly_zero`.
     """
-    ratio = energy_ratio([result for level in levels for result in level.results])
-    if ratio is None:
-        return Finding("", OPEN, "no predicted energy to compare with")
+    results = [result for level in levels for result in level.results]
+    if (ratio := energy_ratio(results)) is None:
+        return Finding(*inside_bands(results))
     low, high = question.limits
     offset = ratio.value - 1
     inside = min(offset - low, high - offset)

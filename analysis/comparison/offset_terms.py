@@ -87,6 +87,8 @@ def offset_terms(
     """
     if actual is None or entry is None or result.W_T is None or not result.comparable:
         return None
+    if entry.W_T is None:
+        return None
     curve = Curve.of(entry.acceleration, entry.W_T)
     runs = [_of_run(run, curve, channels, actual) for run in result.runs]
     known = [terms for terms in runs if terms is not None]

@@ -11,7 +11,7 @@ model's unmeasured parameters; made only where the record does not come from the
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,8 @@ from scipy.special import chdtrc
 from analysis.results.condition import Result
 from analysis.results.recorded_waveform import Recorded
 from analysis.results.session_rows import AgreementRow, ComparisonRow, LineRow
+from analysis.session.prediction_entry import PredictionEntry
+from analysis.session.setting import Setting
 from analysis.uncertainty.budget import RESOLUTION, SCATTER, combine, own_parts
 from analysis.uncertainty.estimate import Estimate
 from analysis.uncertainty.straight_line import Errors, fitted
@@ -31,8 +33,11 @@ __all__ = [
     "agreement_row",
     "comparisons",
     "energy_ratio",
+    "inside_bands",
+    "is_mechanism_shared",
     "line_through",
     "model_columns",
+    "predictions_named",
     "propagated",
     "recorded_ratio",
 ]
@@ -42,6 +47,8 @@ Array = NDArray[np.float64]
 INSIDE = (0.025, 0.975)  # quantiles of a 95 % interval
 SEVEN = 0.07  # offset of W_exp from W_T that the paper reports
 BOX_LOSSES = ("W_noise", "W_air", "W_gas", "W_mount")  # ledger columns of what is not in the bed
+
+OWN_MECHANISM = {"grains"}  # beds with other physics than the model of W_T
 
 UNLIKELY = 1e-3
 """Probability of a larger chi^2 below which no straight line is stated."""
@@ -87,6 +94,17 @@ def energy_ratio(results: Sequence[Result]) -> Estimate | None:
     total = math.fsum(w for _, w in predicted)
     ratio = math.fsum(r.W_exp.value for r, _ in predicted) / total
     return propagated(ratio, [(r, 1 / total, -ratio / total) for r, _ in predicted])
+
+
+def inside_bands(results: Sequence[Result]) -> tuple[str, str, str]:
+    """Return found, verdict and reason of a claim about W_exp/W_T where no ratio is known: of bands
+    of W_T none is taken.
+    """
+    bands = [result.inside for result in results if result.inside is not None]
+    if not bands:
+        return "", "undecided", "no predicted energy to compare with"
+    found = f"inside {sum(bands)} of {len(bands)} bands"
+    return found, "undecided", "W_T is a band, of which no ratio is taken"
 
 
 def recorded_ratio(results: Sequence[Result]) -> Estimate | None:
@@ -226,7 +244,29 @@ def agreement_row(results: Sequence[Result]) -> AgreementRow:
         ratio_recorded=recorded.value if recorded else None,
         U_ratio_recorded=recorded.U if recorded else None,
         put_in_recorded=_put_in(on_waveform),
+        bands=sum(result.band is not None for result in results),
+        inside=sum(result.inside is True for result in results),
     )
+
+
+def is_mechanism_shared(seen: Sequence[Setting], entries: Mapping[str, PredictionEntry]) -> bool:
+    """Return whether every bed dissipates by the mechanism behind W_T; where the prediction does
+    not say, every bed but resolved grains does.
+    """
+    for setting in seen:
+        entry = entries.get(setting.id)
+        told = entry.shares_mechanism if entry is not None else None
+        if told is False or (told is None and setting.bed in OWN_MECHANISM):
+            return False
+    return True
+
+
+def predictions_named(results: Sequence[Result]) -> str | None:
+    """Return the names of what W_T is of: of the conditions that dissipate, where any does."""
+    known = [result for result in results if result.prediction is not None]
+    telling = [r for r in known if r.band is not None or r.predicted.W_T != 0.0]
+    names = dict.fromkeys(str(result.prediction) for result in telling or known)
+    return ", ".join(names) or None
 
 
 def _put_in(predicted: Sequence[tuple[Result, Estimate]]) -> float | None:
@@ -288,7 +328,10 @@ def comparisons(results: Sequence[Result]) -> tuple[ComparisonRow, ...]:
         _entry(
             "prediction",
             "W_T as predicted",
-            _scores([r.difference for r in results if r.comparable]),
+            [
+                *_scores([r.difference for r in results if r.comparable]),
+                *(0.0 if r.inside else math.inf for r in results if r.inside is not None),
+            ],
             none or "nothing is predicted that stands out of the detection limit",
         ),
         replace(last, why=_telling([result for result, _ in model])) if model else last,

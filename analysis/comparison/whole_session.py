@@ -15,7 +15,9 @@ from analysis.comparison.offset_terms import Actual, allowed_remainder, offset_t
 from analysis.comparison.pooled_results import (
     agreement_row,
     comparisons,
+    is_mechanism_shared,
     model_columns,
+    predictions_named,
     propagated,
 )
 from analysis.comparison.references import references, signs
@@ -40,7 +42,7 @@ from analysis.results.report import (
 from analysis.results.run import RunEnergy
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import CLOSURE
-from analysis.session.prediction_entry import entries_of
+from analysis.session.prediction_entry import VARIANTS, entries_of
 from analysis.session.protocol import ExpectedClaim, RigValue
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
@@ -49,8 +51,6 @@ from analysis.uncertainty.estimate import Estimate
 from daq.documents.classes import finite
 
 __all__ = ["agreement"]
-
-OWN_MECHANISM = {"grains"}  # beds with other physics than the model of W_T
 
 
 def agreement(
@@ -122,8 +122,9 @@ def agreement(
         protocol=protocol,
         question=question,
         synthetic=synthetic,
-        tests="measurement" if synthetic and not OWN_MECHANISM & {s.bed for s in used} else "model",
+        tests="measurement" if synthetic and is_mechanism_shared(used, entries) else "model",
         waveform="ideal" if ideal else "measured",
+        prediction=predictions_named(results),
         support=tuple(
             sorted({setting.support for setting in settings.values() if setting.support})
         ),
@@ -176,6 +177,8 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
         _recorded(result),
         _at_box(result),
     )
+    printed, layers, column = (result.others.get(name) for name in VARIANTS)
+    low, high = result.band or (model.W_T_low, model.W_T_high)
     return ConditionRow(
         id=setting.id,
         material=setting.material,
@@ -212,15 +215,23 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
         U_W_T=result.W_T.U if result.W_T else None,
         W_f=got.W_f,
         W_c=got.W_c,
-        W_T_as_printed=got.W_T_as_printed,
+        W_T_as_printed=printed.value if printed else got.W_T_as_printed,
+        U_W_T_as_printed=printed.U if printed else None,
+        W_T_layers=layers.value if layers else None,
+        U_W_T_layers=layers.U if layers else None,
+        W_T_column=column.value if column else None,
+        U_W_T_column=column.U if column else None,
+        prediction=result.prediction,
+        inside=result.inside,
+        reasons=result.reasons,
         bound=got.bound,
         exponent=got.exponent,
         offset=offset.value if offset else None,
         U_offset=offset.U if offset else None,
         E_n=_E_n(difference),
         E_n_truth=_E_n(result.chain),
-        W_T_low=model.W_T_low,
-        W_T_high=model.W_T_high,
+        W_T_low=low,
+        W_T_high=high,
         E_n_model=model.E_n_model,
         refill_mean=refills.refill_mean,
         refill_skew=refills.refill_skew,

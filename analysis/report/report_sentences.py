@@ -31,7 +31,7 @@ def tested(report: Report) -> str:
     if only_sweeps(report):
         found = sorted({one.bed for one in report.sweeps})
         return f"This run shows force and acceleration against frequency ({', '.join(found)}): it states no energy."
-    predicted = {row.bed for row in report.conditions if row.W_T}
+    predicted = {row.bed for row in report.conditions if row.W_T or row.inside is not None}
     beds = sorted(predicted or {row.bed for row in report.conditions})
     listed = " and ".join(filter(None, [", ".join(beds[:-1]), *beds[-1:]])) or "none"
     word = "bed" if len(beds) < 2 else "beds"
@@ -39,12 +39,20 @@ def tested(report: Report) -> str:
         if not _predicted(report):
             return f"This run checks the measurement chain: nothing is predicted for the {word} {listed}."
         return (
-            f"This run checks the measurement chain, not the damper model: the {word} {listed} and the prediction W_T "
-            "share one mechanism."
+            f"This run checks the measurement chain, not the damper model: the {word} {listed} and the "
+            f"prediction W_T{_by(report)} share one mechanism."
         )
     if not _predicted(report):
         return f"This run measures what is dissipated per cycle: nothing is predicted for the {word} {listed}."
-    return f"This run tests the damper model: what the {word} {listed} dissipated does not come from the model of W_T."
+    return (
+        f"This run tests the damper model: what the {word} {listed} dissipated does not come from the "
+        f"model of W_T{_by(report)}."
+    )
+
+
+def _by(report: Report) -> str:
+    """Return the name of the prediction in brackets, after a blank; nothing where nobody says."""
+    return f" ({report.prediction})" if report.prediction else ""
 
 
 def waveform(report: Report) -> str:
@@ -76,8 +84,8 @@ def only_sweeps(report: Report) -> bool:
 
 
 def _predicted(report: Report) -> bool:
-    """Return whether any condition has a predicted energy."""
-    return any(row.W_T for row in report.conditions)
+    """Return whether any condition has a predicted energy, or a band."""
+    return any(row.W_T or row.inside is not None for row in report.conditions)
 
 
 def _between(fractions: Sequence[float]) -> str:
@@ -119,6 +127,8 @@ def headline(report: Report) -> str:
     if only_sweeps(report):
         return "A sweep states no energy: nothing was compared with a prediction."
     found = report.agreement
+    if found.ratio is None and found.bands:
+        return f"{_bands(report)} {_measured(report)}".rstrip()
     if found.ratio is None and _predicted(report):
         hidden = "No predicted energy stands out of the detection limit and of U of W_exp, so no offset is stated"
         return f"{hidden}{_ruled(found.put_in)}."
@@ -140,7 +150,13 @@ def headline(report: Report) -> str:
         else:
             rest = f"{significant(100 * (offset - found.put_in), 2)} %"
             text += f"; losses of the box that the rig file puts in account for {put_in}, everything else for {rest}"
-    return f"{text}."
+    return f"{text}. {_bands(report)}" if found.bands else f"{text}."
+
+
+def _bands(report: Report) -> str:
+    """Return in how many conditions W_exp lies in the band of W_T: of a band no ratio is taken."""
+    found = report.agreement
+    return f"W_exp lies inside the band of W_T in {found.inside} of {found.bands} conditions."
 
 
 def _ruled(put_in: float | None) -> str:

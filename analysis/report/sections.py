@@ -16,6 +16,7 @@ from analysis.report.tables.cells import Table
 from analysis.report.tables.fidelity import fidelity
 from analysis.report.tables.gauge_position import at_box
 from analysis.report.tables.offset_tables import causes, offset_terms
+from analysis.report.tables.predictions import predictions
 from analysis.report.tables.sweep import sweeps
 from analysis.results.report import Report
 
@@ -49,6 +50,7 @@ def sections(report: Report, figures: bool = True) -> tuple[Section, ...]:
             "Energy per cycle",
             energy_plots(report),
             tables.conditions(report),
+            predictions(report),
             tables.recorded(report),
             tables.coil(report),
             at_box(report),

@@ -4,7 +4,7 @@ level.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from analysis.uncertainty.budget import (
 )
 from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate
+from analysis.uncertainty.other_predictions import other_predictions
 from analysis.uncertainty.skewed_scatter import stretch
 
 __all__ = ["Result", "evaluate"]
@@ -55,6 +56,11 @@ class Result:
         given
     refills : the same for refilled beds
     beyond : there is a prediction, but not for the level of a run
+    prediction : name of what W_T is of
+    shares_mechanism : whether the bed's energy comes from the mechanism of W_T; None if not stated
+    band : lower and upper end of W_T where it is a band
+    others : predictions beside W_T by name
+    reasons : why a prediction is not stated, by its key in the report
     """
 
     setting: Setting
@@ -75,6 +81,19 @@ class Result:
     model: tuple[float, ...] = ()
     refills: tuple[float, ...] = ()
     beyond: bool = False
+    prediction: str | None = None
+    shares_mechanism: bool | None = None
+    band: tuple[float, float] | None = None
+    others: Mapping[str, Estimate] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def inside(self) -> bool | None:
+        """Whether W_exp lies in the band of W_T, or less than its U outside; None without a band."""
+        if self.band is None:
+            return None
+        low, high = self.band
+        return low - self.W_exp.U <= self.W_exp.value <= high + self.W_exp.U
 
     @property
     def comparable(self) -> bool:
@@ -133,7 +152,8 @@ def evaluate(
     n = len(runs)
     W = math.fsum(run.energy.W for run in runs) / n
     reactive = math.fsum(run.energy.reactive for run in runs) / n
-    predicted, totals, own = _predicted(runs, entry)
+    levels = [run.energy.level for run in runs]
+    predicted, totals, own = _predicted(levels, entry)
     W_T, exponent = predicted.W_T, predicted.exponent
     # A condition measured once has no scatter: the instruments' noise is used instead.
     noise = math.sqrt(math.fsum(run.u_noise**2 for run in runs)) / n
@@ -169,6 +189,13 @@ def evaluate(
         else (None, None)
     )
     mass, loss = mass_and_loss([run.energy for run in runs], certified, noise, factor)
+    total = None
+    if W_T is not None:
+        total = combine(W_T, [(line.part_T, line.nu) for line in lines])
+    curves = entry.others() if entry is not None else {}
+    others = dict(other_predictions(curves, levels, (force, acceleration), setting.frequency))
+    if entry is not None and total is not None and entry.prediction in others:
+        others[entry.prediction] = total  # one number, one uncertainty
     return Result(
         setting=setting,
         runs=tuple(runs),
@@ -176,7 +203,7 @@ def evaluate(
         W_exp=combine(W, [(line.part, line.nu) for line in lines]),
         mass=mass,
         loss=loss,
-        W_T=None if W_T is None else combine(W_T, [(line.part_T, line.nu) for line in lines]),
+        W_T=total,
         difference=None if W_T is None else combine(W - W_T, difference_parts(lines, pairs)),
         chain=_chain(setting, W, runs, (*noise_line, *certified)),
         detect=abs(reactive) * angle.U,
@@ -187,12 +214,25 @@ def evaluate(
         pairs=pairs,
         model=entry.model if entry is not None else (),
         refills=refills,
-        beyond=entry is not None and W_T is None,
+        beyond=entry is not None and entry.W_T is not None and W_T is None,
+        prediction=entry.prediction if entry is not None else None,
+        shares_mechanism=entry.shares_mechanism if entry is not None else None,
+        band=entry.band(levels) if entry is not None else None,
+        others=others,
+        reasons=_reasons(entry),
     )
 
 
+def _reasons(entry: PredictionEntry | None) -> dict[str, str]:
+    """Return why a prediction is not stated, by its key in the report."""
+    if entry is None:
+        return {}
+    found = {f"W_T_{name}": one.why for name, one in entry.variants.items() if one.why}
+    return {"W_T": entry.why, **found} if entry.why else found
+
+
 def _predicted(
-    runs: Sequence[RunEnergy], entry: PredictionEntry | None
+    levels: Sequence[float], entry: PredictionEntry | None
 ) -> tuple[Predicted, list[float], tuple[Line, ...]]:
     """Return the prediction of a condition, W_T of each run, and the budget lines of the
     prediction.
@@ -202,11 +242,12 @@ def _predicted(
     """
     if entry is None:
         return Predicted(), [], ()
-    prediction = entry.curves()
-    levels = [run.energy.level for run in runs]
-    if not all(prediction.total.reaches(a) for a in levels):
+    prediction, a = entry.curves(), entry.acceleration
+    if prediction is None:
+        return Predicted(bound=middle(entry.bound, a)), [], ()
+    if not all(prediction.total.reaches(level) for level in levels):
         return Predicted(), [], ()
-    n, a = len(levels), entry.acceleration
+    n = len(levels)
     totals = [prediction.total(level) for level in levels]
     W_T = math.fsum(totals) / n
     found = Predicted(

@@ -124,6 +124,14 @@ class ConditionRow:
     W_f: float | None
     W_c: float | None
     W_T_as_printed: float | None
+    U_W_T_as_printed: Size = None
+    W_T_layers: float | None = None
+    U_W_T_layers: Size = None
+    W_T_column: float | None = None
+    U_W_T_column: Size = None
+    prediction: str | None = None
+    inside: bool | None = None
+    reasons: Mapping[str, str] = field(default_factory=dict)
     bound: float | None
     exponent: float | None
     offset: float | None

@@ -99,6 +99,8 @@ class Resolved:
 class Report:
     """The report of a session: what was tested, the conditions, their agreement with W_T, the
     verdict.
+
+    prediction : names of the predictions that W_T is of; None if not stated
     """
 
     schema: Annotated[str, Text((SCHEMA,))]
@@ -107,6 +109,7 @@ class Report:
     synthetic: bool
     tests: Annotated[str, Text(("measurement", "model"))]
     waveform: Annotated[str, Text(("ideal", "measured"))]
+    prediction: str | None = None
     support: tuple[str, ...] = ()
     conditions: tuple[ConditionRow, ...]
     agreement: AgreementRow

@@ -32,6 +32,7 @@ class AgreementRow:
         of n conditions
     put_in : losses that the rig file adds, as a fraction of the predicted energy
     ratio_recorded, put_in_recorded : the same with W_T on the recorded waveforms
+    bands, inside : number of conditions whose W_T is a band, and of those with W_exp in it
     """
 
     ratio: float | None
@@ -47,6 +48,8 @@ class AgreementRow:
     ratio_recorded: float | None
     U_ratio_recorded: Size
     put_in_recorded: float | None = None
+    bands: Count = 0
+    inside: Count = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -132,6 +132,7 @@ class SessionPrediction:
     u_rel: float
     u_levels: float
     u_settling: float
+    u_stated: float = 0.0
 
 
 def middle(value: Given, accelerations: Sequence[float]) -> float | None:

@@ -243,7 +243,8 @@ def prediction_lines(prediction: SessionPrediction, W_T: float) -> tuple[Line, .
     """Return the lines of W_T itself; lines that contribute nothing are left out.
 
     Interpolation between levels errs at random, independently in each condition; the settling of
-    beds that start at rest is a common error.
+    beds that start at rest is a common error,
+    and so is what a formula states for itself.
     """
     found = (
         Line("prediction numerics", "1", prediction.u_rel, math.inf, 0.0, W_T),
@@ -251,6 +252,7 @@ def prediction_lines(prediction: SessionPrediction, W_T: float) -> tuple[Line, .
             "prediction between levels", "1", prediction.u_levels, math.inf, 0.0, W_T, shared=False
         ),
         Line("settling of the bed", "1", prediction.u_settling, math.inf, 0.0, W_T),
+        Line("prediction as stated", "1", prediction.u_stated, math.inf, 0.0, W_T),
     )
     return tuple(line for line in found if line.u > 0)
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rig.beds.bed import Array
-from rig.beds.janssen_stack import Filling, bed_mass, stack
+from rig.beds.column import rows_of
+from rig.beds.janssen_stack import Filling, bed_mass
 from rig.beds.single_mass import single_mass
 from rig.catalog.entries import Rig
 from rig.protocol.spec import Scene
@@ -55,15 +56,20 @@ class TwoWay:
         return self.bonded + self.row_mass * self.band.size
 
 
-def _layers(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
-    bed = stack(scene, rig, filling)
+def _rows(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
+    bed = rows_of(scene, rig, filling)
     band = np.tile(bed.threshold, bed.clearance.shape[1])
-    clearance = bed.clearance.T.ravel()
+    clearance, start = bed.clearance.T.ravel(), 0.0
+    if np.isinf(clearance).any():
+        # Rows without end walls start half way between walls that they never reach.
+        clearance, start = np.full(clearance.size, 2.0 * ENDLESS), ENDLESS
     free = clearance > LEAST_CLEARANCE
     # A row without clearance cannot slide: its mass belongs to the box.
     # A row without clearance cannot slide: its mass belongs to the box.
     bonded = bed.carried_mass + bed.row_mass * float(np.count_nonzero(~free))
-    return TwoWay(bonded, 0.0, bed.row_mass, bed.restitution, band[free], clearance[free])
+    return TwoWay(
+        bonded, 0.0, bed.row_mass, bed.restitution, band[free], clearance[free], start=start
+    )
 
 
 def _single_mass(scene: Scene, rig: Rig, filling: Filling) -> TwoWay:
@@ -89,7 +95,8 @@ TWO_WAY: dict[str, Callable[[Scene, Rig, Filling], TwoWay]] = {
     "loop_back": lambda _scene, _rig, _filling: TwoWay(),
     "locked": lambda scene, _rig, filling: TwoWay(bonded=bed_mass(scene, filling.packing)),
     "dashpot": lambda scene, _rig, _filling: TwoWay(damping=scene.dashpot.c),
-    "layers": _layers,
+    "layers": _rows,
+    "column": _rows,
     "single_mass": _single_mass,
 }
 """Maps the name of a bed to its factory: (scene, rig, filling) -> bed for the

@@ -1,4 +1,4 @@
-"""Bed `layers` in prescribed motion: every row exact between events, periodic rows replayed from
+"""Beds `layers` and `column` in prescribed motion: every row exact between events, periodic rows replayed from
 their stored period.
 """
 
@@ -16,8 +16,8 @@ from rig.kernels.waveform import crossings, extrema
 
 
 class LayersBed:
-    """The rows of a stack in a box that follows a waveform; rows start at rest at the end wall x =
-    0.
+    """The rows of a stack in a box that follows a waveform; rows start at rest at x = 0, where the
+    end wall is unless their clearance is infinite.
 
     Layers whose threshold the waveform never reaches ride as mass and are not simulated.
     """

@@ -3,13 +3,19 @@
 from collections.abc import Callable
 
 from rig.beds.bed import Bed
-from rig.beds.janssen_stack import Filling, bed_mass, stack
+from rig.beds.column import rows_of
+from rig.beds.janssen_stack import Filling, bed_mass
 from rig.beds.layers import LayersBed
 from rig.beds.rigid import DashpotBed, LockedBed
 from rig.beds.single_mass import SingleMassBed, single_mass
 from rig.catalog.entries import Rig
 from rig.drive.waveform import Sampling
 from rig.protocol.spec import Scene
+
+
+def _rows(scene: Scene, rig: Rig, filling: Filling, sampling: Sampling) -> Bed:
+    return LayersBed(rows_of(scene, rig, filling), sampling)
+
 
 BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "empty": lambda _scene, _rig, _filling, sampling: LockedBed(0.0, sampling),
@@ -21,7 +27,8 @@ BEDS: dict[str, Callable[[Scene, Rig, Filling, Sampling], Bed]] = {
     "single_mass": lambda scene, rig, filling, sampling: SingleMassBed(
         single_mass(scene, rig, filling), sampling
     ),
-    "layers": lambda scene, rig, filling, sampling: LayersBed(stack(scene, rig, filling), sampling),
+    "layers": _rows,
+    "column": _rows,
 }
 """Maps the name of a bed to its factory: (scene, rig, filling, sampling) -> bed at the start of the
 motion.

@@ -21,11 +21,17 @@ LOOK_BACK = 64
 
 
 def free_gap(scene: Scene, rig: Rig, filling: Filling) -> float:
-    """Return the clearance along the axis beside a bed at flowing density, m: L (1 - w
-    phi_b/phi_f), at least 0.
+    """Return the clearance along the axis that a bed leaves, m.
+
+    Vertical and zero gravity: (1 - w) H, the height above the settled bed. Resolved grains fly as
+    one body that does not swell first: with the room of a bed at flowing density nothing would
+    move above w = phi_f/phi_b, where they dissipate most. Horizontal: L (1 - w phi_b/phi_f), at
+    least 0, beside a bed at flowing density.
     """
-    along = scene.cavity.length if scene.axis == "horizontal" else scene.cavity.height
-    return max(along * (1.0 - scene.grains.fill * filling.packing / rig.packing_loose), 0.0)
+    fill = scene.grains.fill
+    if scene.axis != "horizontal":
+        return scene.cavity.height * (1.0 - fill)
+    return max(scene.cavity.length * (1.0 - fill * filling.packing / rig.packing_loose), 0.0)
 
 
 def single_mass(scene: Scene, rig: Rig, filling: Filling) -> MassInGap:

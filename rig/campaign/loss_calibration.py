@@ -135,7 +135,10 @@ def _accounts(
         return found
 
 
-def _account(campaign: Campaign, run: Run, table: dict[str, list[float]]) -> Account:
+def _account(campaign: Campaign, run: Run, table: dict[str, Any]) -> Account:
+    if table["W_T"] is None:
+        found = f"no W_T in condition {run.condition.id}"
+        raise InputError(Mistake("", "prediction", found, "a prediction that is stated in each"))
     motion = motion_of(campaign, run)
     account = account_of(stand_of(campaign, run), run.condition.acquire)
     return Account(

@@ -17,7 +17,7 @@ from rig.campaign.provenance import now, provenance
 from rig.catalog.entries import Exciter
 from rig.catalog.rig_file import dump_rig
 from rig.drive.exciter_limits import Demand, solvable_band
-from rig.prediction.document import condition_facts, has_level, prediction_document
+from rig.prediction.document import condition_facts, prediction_document
 from rig.prediction.forecast import Forecast
 from rig.protocol.load import dump_protocol
 from rig.protocol.schedule import Run
@@ -62,7 +62,7 @@ def session_plan(campaign: Campaign, found: Mapping[str, Forecast]) -> SessionPl
                 {
                     c.id: (found[c.id].point, found[c.id].table)
                     for c in campaign.conditions
-                    if has_level(c)
+                    if c.has_level
                 },
                 {name: one.refills for name, one in found.items()},
             ),

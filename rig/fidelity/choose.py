@@ -20,7 +20,7 @@ from rig.fidelity.pilot import Pilot, PilotRun, rows_pilot
 from rig.fidelity.rows import PILOT_CYCLES, RowsChoice, choose_rows
 from rig.fidelity.scene_rows import resolved_rows, with_rows
 from rig.kernels.rows.many_rows import HISTORY
-from rig.protocol.spec import Acquire, Condition, Protocol, Scene
+from rig.protocol.spec import RIGID_BEDS, Acquire, Condition, Protocol, Scene
 from rig.stand.gas import LEAST_SHARE, share_of_weight
 from rig.stand.ledger import COLUMNS
 from rig.stand.prescribed import CHUNK_CYCLES, Stand
@@ -29,7 +29,6 @@ from rig.theory.total import AVERAGED_CYCLES
 TOLERANCE = 0.01
 """Relative error of W per cycle if a protocol gives none."""
 
-RIGID = ("empty", "locked", "dashpot", "loop_back")
 """Beds that are the same in every cycle: there is nothing to settle."""
 
 LONGER = 2
@@ -106,7 +105,7 @@ def choose(
     pilots: list[Pilot] = []
     first = rows.cycles if rows else PILOT_CYCLES[0]
     pilot_runs: list[PilotRun] = []
-    if rows is None and scene.bed not in RIGID:
+    if rows is None and scene.bed not in RIGID_BEDS:
         pilot_runs = _pilots_of_runs(condition, rig, asked)
     elif rows and rows.pilot.W > 0.0:
         pilot_runs = [

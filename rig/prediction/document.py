@@ -19,7 +19,7 @@ NO_REFILLS: Mapping[str, Sequence[float]] = {}
 
 def predictions(
     conditions: Iterable[Condition], rig: Rig, workers: int, averaged: Mapping[str, int] = NOWHERE
-) -> dict[str, tuple[Prediction, dict[str, list[float]]]]:
+) -> dict[str, tuple[Prediction, dict[str, Any]]]:
     """Return W_T of every condition by id: at the set acceleration, and as a table about it for
     interpolation.
 
@@ -34,14 +34,8 @@ def predictions(
         return {condition.id: both for condition, both in zip(wanted, found, strict=True)}
 
 
-def has_level(condition: Condition) -> bool:
-    """Return whether a level is set, for which W_T of a sine can be predicted: not in open loop."""
-    drive = condition.drive
-    return drive.mode == "prescribed" or drive.control == "level"
-
-
 def prediction_document(
-    found: Mapping[str, tuple[Prediction, Mapping[str, Sequence[float]]]],
+    found: Mapping[str, tuple[Prediction, Mapping[str, Any]]],
     refills: Mapping[str, Sequence[float]] = NO_REFILLS,
 ) -> dict[str, Any]:
     """Return the predictions as plain numbers for the session; another model's numbers can replace
@@ -56,12 +50,17 @@ def prediction_document(
             "u_rel": point.u_rel,
             "u_levels": point.u_levels,
             "u_settling": point.u_settling,
-            "W_T_as_printed": point.W_T_as_printed,
+            "u_stated": point.u_stated,
+            "prediction": point.prediction,
+            "shares_mechanism": point.shares_mechanism,
             "bound": _finite(point.bound),
             "period": point.period,
             "periodic_share": point.periodic_share,
         }
-        if refills.get(name):
+        if point.reasons.get("W_T"):
+            entry["why"] = point.reasons["W_T"]
+        # Refills tell of W_T only where it is of the bed itself.
+        if refills.get(name) and point.shares_mechanism:
             entry["refills"] = list(refills[name])
         conditions[name] = entry
     return {"conditions": conditions}

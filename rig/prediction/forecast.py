@@ -2,11 +2,11 @@
 between refills.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from rig.catalog.entries import Rig
-from rig.prediction.document import has_level
 from rig.prediction.model import Prediction, predict_about
 from rig.prediction.refills import refill_ratios
 from rig.protocol.spec import Condition
@@ -20,13 +20,14 @@ class Forecast:
     """The prediction of one condition, which `condition` names.
 
     point : at the set level
-    table : W_T, W_f, W_c (J) at levels about it (m/s^2)
-    refills : energies of refilled beds divided by W_T, empty if the repeats share one bed
+    table : plain numbers at levels about it (`predict_about`)
+    refills : energies of refilled beds divided by the bed's own prediction, empty if the repeats
+        share one bed
     """
 
     condition: str
     point: Prediction
-    table: Mapping[str, Sequence[float]]
+    table: Mapping[str, Any]
     refills: tuple[float, ...]
     ends: bool = True  # the one item of its task (rig.campaign.executor)
 
@@ -38,5 +39,7 @@ def forecast(condition: Condition, rig: Rig, refill: bool, cycles: int | None = 
     cycles : averaged for rows without a period, if that was chosen
     """
     point, table = predict_about(condition, rig, cycles or AVERAGED_CYCLES)
-    ratios = refill_ratios(condition, rig, point.W_T) if refill and has_level(condition) else ()
+    ratios: tuple[float, ...] = ()
+    if refill and condition.has_level and point.W_own is not None:
+        ratios = refill_ratios(condition, rig, point.W_own)
     return Forecast(condition.id, point, table, ratios)

@@ -1,333 +1,259 @@
-"""Model prediction for a scene: W_T as printed and event-resolved, and the upper bound, as plain
-numbers.
-"""
+"""W_T of a condition: the prediction that its protocol names, and all others that apply."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Any
 
-import numpy as np
-
-from rig.beds.janssen_stack import Filling, Stack, bed_mass, layer_count, nominal, stack
-from rig.beds.layers import cannot_follow
-from rig.beds.single_mass import single_mass, too_many_events
+from rig.beds.janssen_stack import bed_mass, layer_count
 from rig.catalog.entries import Rig
-from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE
-from rig.protocol.spec import Condition, Scene
-from rig.stand.box import box_mass
-from rig.theory.chain import grains_in_row
-from rig.theory.friction import friction_energy_per_slip, janssen_length
-from rig.theory.single_mass import SingleMassTotal, single_mass_total
-from rig.theory.total import (
-    AVERAGED_CYCLES,
-    ModelEnergy,
-    TooManyEvents,
-    as_printed_collision,
-    layers_total,
-    plastic_bound,
+from rig.drive.waveform import Waveform
+from rig.errors import InputError
+from rig.prediction.own import (
+    NUMERICAL_ERROR,
+    READ,
+    OwnPrediction,
+    layers_energies,
+    levels_about,
+    misread,
+    predict_own,
+    predict_own_about,
 )
+from rig.prediction.variants import VARIANTS, Variant, event_resolved, variants
+from rig.protocol.spec import LOCKING_LEVEL, RIGID_BEDS, Condition, Scene, SingleMass
+from rig.stand.box import box_mass
+from rig.theory.single_mass import thrown_height
+from rig.theory.total import AVERAGED_CYCLES, ModelEnergy, plastic_bound
 
-LEVELS = (0.97, 0.98, 0.99, 1.0, 1.01, 1.02, 1.03)
-"""Levels, relative to the set acceleration, at which W_T is computed for interpolation to the
-measured acceleration.
+SINGLE_MASS_FOR_GRAINS = 0.15
+"""Relative standard uncertainty of the single mass as a prediction of vertical grains up to
+`LOCKING_LEVEL` (assumed; 0.89 times resolved grains in the one case at 2 g and a fill of 0.85).
 """
-
-READ = 1.0 / math.sqrt(2.0)
-"""Standard uncertainty of an interpolated W_T, divided by the largest error of interpolating one
-level from its neighbours.
-
-Where rows lock to the drive, W_T is rough as a function of the level, down to steps of 0.1 %: no
-table is fine enough. With a roughness of standard deviation s, W_T interpolated half way differs by
-sqrt(3/2) s from the value there, and by sqrt(5/3) s = 1.29 s on average over the interval; the mean
-of the largest of five errors at the tabulated levels is 1.84 s.
-"""
-
-SINGLE_MASS_LEVELS = tuple(0.97 + 0.002 * n for n in range(31))
-"""The levels for a single mass: closer, because it may be on another orbit at a slightly different
-level.
-"""
-
-SINGLE_MASS_AVERAGE = (256, 1024)
-"""Cycles of settling and averaging of a single-mass orbit without a period, at levels other than
-the set one.
-"""
-
-SINGLE_MASS_REACH = 5
-"""Levels to either side of the set one within which the measured one is expected: 1 %."""
-
-SINGLE_MASS_ERROR = 1e-9
-"""Relative error of W_T of a single mass on an orbit with a period
-(tests/physics/test_single_mass_orbits.py).
-"""
-
-NUMERICAL_ERROR = 1e-3
-"""Relative standard uncertainty of W_T due to numerics: averaging of rows without a period
-(tests/physics).
-"""
-
-NOTHING = ModelEnergy(0.0, 0.0, 1, 1.0)
 
 
 @dataclass(frozen=True)
 class Prediction:
     """Predicted energy per cycle for one condition and its parts, J (masses in kg).
 
-    Relative standard uncertainties of W_T: u_rel of the numerics; and, if it was computed at
-    several levels, u_levels of the interpolation between them, and u_settling, the difference
-    between the steady state and the mean of the recorded cycles, for a bed that starts at rest.
+    prediction : name of the one that W_T is of: layers, column, as_printed, own or band
+    W_f, W_c : its parts, None if it has none
+    W_T : None for a band, from W_T_low to W_T_high, and where the named prediction is not stated
+    W_T_as_printed, W_T_layers, W_T_column : the others, with expanded uncertainties (k = 2) of
+        numerics and formula, None where they are not stated
+    reasons : why, by the key of what is not stated
+    bound : upper bound; period, periodic_share : of the bed's own prediction, None if W_T is
+        another
+    W_own : of the bed's own prediction, None without one
+    shares_mechanism : whether W_T comes from the mechanism of the bed itself, so that a comparison
+        tests the measurement and not the model
+
+    Relative standard uncertainties of W_T: u_rel of the numerics; if it was computed at several
+    levels, u_levels of the interpolation between them, and u_settling, the difference between the
+    steady state and the mean of the recorded cycles, for a bed that starts at rest; u_stated of the
+    formula itself.
     """
 
     bed_mass: float
     box_mass: float
     layers: int
     carried: bool
-    W_f: float
-    W_c: float
-    W_T: float
-    W_T_as_printed: float
+    prediction: str
+    W_f: float | None
+    W_c: float | None
+    W_T: float | None
+    W_T_low: float | None
+    W_T_high: float | None
+    W_T_as_printed: float | None
+    U_W_T_as_printed: float | None
+    W_T_layers: float | None
+    U_W_T_layers: float | None
+    W_T_column: float | None
+    U_W_T_column: float | None
+    reasons: Mapping[str, str]
     bound: float
-    period: int
-    periodic_share: float
-    u_rel: float = NUMERICAL_ERROR
+    period: int | None
+    periodic_share: float | None
+    W_own: float | None
+    shares_mechanism: bool
+    u_rel: float = 0.0
     u_levels: float = 0.0
     u_settling: float = 0.0
-
-
-def total_of(
-    scene: Scene, rig: Rig, filling: Filling, acceleration: float, frequency: float
-) -> ModelEnergy:
-    """Return W_T of one filling at one acceleration, by the mechanism of the scene's bed."""
-    if scene.bed == "single_mass":
-        return single_mass_variant(scene, rig, filling, acceleration, frequency).total
-    return layers_variant(scene, stack(scene, rig, filling), acceleration, frequency)
-
-
-def single_mass_variant(
-    scene: Scene,
-    rig: Rig,
-    filling: Filling,
-    acceleration: float,
-    frequency: float,
-    settle: int = SETTLE,
-    average: int = AVERAGE,
-    window: tuple[int, int] | None = None,
-) -> SingleMassTotal:
-    """Return the energy of the single mass of one filling at one acceleration.
-
-    Raises InputError if it bounces too often to be followed.
-    """
-    bed = single_mass(scene, rig, filling)
-    try:
-        return single_mass_total(bed, acceleration, frequency, settle, average, window)
-    except TooManyEvents as error:
-        raise too_many_events(bed) from error
-
-
-def layers_variant(
-    scene: Scene, bed: Stack, acceleration: float, frequency: float, cycles: int = AVERAGED_CYCLES,
-    window: tuple[int, int] | None = None,
-) -> ModelEnergy:  # fmt: skip
-    """Return the event-resolved energy (layers variant) of a scene's stack at one acceleration; zero
-    for beds that do not slide by design.
-
-    window : (first cycle, one past the last) of an additional mean
-
-    Raises InputError if a row cannot be followed.
-    """
-    if scene.bed != "layers":
-        return NOTHING
-    try:
-        return layers_total(
-            bed.threshold,
-            bed.clearance,
-            bed.row_mass,
-            bed.restitution,
-            acceleration,
-            frequency,
-            cycles,
-            window,
-        )
-    except TooManyEvents as error:
-        raise cannot_follow(bed, str(error)) from error
-
-
-def as_printed_variant(scene: Scene, rig: Rig, velocity: float) -> float:
-    """Return W_T of the model as printed (variant as printed), J per cycle: eq 5 with one slip per layer,
-    plus the first chain wave at both walls.
-    """
-    layers = layer_count(scene)
-    density = scene.grains.density
-    if scene.bed != "layers" or layers == 0 or density is None:
-        return 0.0
-    cavity, grains = scene.cavity, scene.grains
-    bulk = rig.packing_shaken * density
-    friction = friction_energy_per_slip(
-        layers,
-        grains.diameter,
-        cavity.length,
-        cavity.width,
-        bulk,
-        rig.gravity,
-        rig.grain_friction,
-        janssen_length(cavity.length, cavity.width, rig.wall_friction, rig.janssen_ratio),
-    )
-    layer_mass = bulk * cavity.width * grains.fill * cavity.height * grains.diameter
-    count = grains_in_row(cavity.length, grains.diameter)
-    return friction + as_printed_collision(
-        layer_mass, count, rig.restitution_grains, rig.restitution_wall, velocity
-    )
+    u_stated: float = 0.0
 
 
 def predict(condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES) -> Prediction:
-    """Return both variants of W_T and the bound for one condition on an exact sine at the set
-    acceleration.
+    """Return W_T for one condition on an exact sine at the set acceleration, by every prediction
+    that applies, and the bound.
     """
-    scene, drive = condition.scene, condition.drive
-    if scene.bed == "single_mass":
-        found = single_mass_variant(
-            scene, rig, nominal(scene, rig), drive.acceleration, drive.frequency
-        )
-        return _single_mass_prediction(condition, rig, found)
-    bed = stack(scene, rig, nominal(scene, rig))
-    return _prediction(
-        condition, rig, bed, layers_variant(scene, bed, drive.acceleration, drive.frequency, cycles)
-    )
+    with_own = _with_own(condition, rig)
+    own = None if with_own is None else predict_own(with_own, rig, cycles)
+    totals = []
+    if own is not None:
+        totals = [ModelEnergy(own.W_f, own.W_c, own.period, own.periodic_share)]
+    return _predicted(condition, rig, own, [condition.drive.acceleration], totals, cycles)[0]
 
 
 def predict_about(
     condition: Condition, rig: Rig, cycles: int = AVERAGED_CYCLES
-) -> tuple[Prediction, dict[str, list[float]]]:
-    """Return the result of `predict`, and W_T, W_f and W_c (J) at levels about the set acceleration
-    (m/s^2).
+) -> tuple[Prediction, dict[str, Any]]:
+    """Return the result of `predict`, and a table about the set acceleration.
 
     The table is interpolated at the measured acceleration: plain numbers that another model's
-    numbers can replace.
+    numbers can replace. Lists beside `acceleration` (m/s^2): W_T, W_f, W_c, or W_T_low and W_T_high
+    of a band (J); `variants` by name with their own W_T.
     """
-    scene, drive = condition.scene, condition.drive
-    if scene.bed == "single_mass":
-        return _single_mass_about(condition, rig)
-    bed = stack(scene, rig, nominal(scene, rig))
-    levels = [drive.acceleration * level for level in LEVELS]
-    totals = [
-        layers_variant(scene, bed, level, drive.frequency, cycles, _window(condition))
-        for level in levels
-    ]
-    point = _prediction(condition, rig, bed, totals[LEVELS.index(1.0)])
-    return _with_uncertainty(point, levels, totals), _table(levels, totals)
+    with_own = _with_own(condition, rig)
+    if with_own is None:
+        levels = levels_about(condition.drive.acceleration)
+        return _predicted(condition, rig, None, levels, [], cycles)
+    return _predicted(condition, rig, *predict_own_about(with_own, rig, cycles), cycles)
 
 
-def _window(condition: Condition) -> tuple[int, int]:
-    """Return the recorded cycles of a condition: (first, one past the last)."""
-    acquire = condition.acquire
-    return acquire.settle, acquire.settle + acquire.record
+def _with_own(condition: Condition, rig: Rig) -> Condition | None:
+    """Return the condition whose own prediction is the condition's; None without one.
 
-
-def _with_uncertainty(
-    point: Prediction, levels: Sequence[float], totals: Sequence[ModelEnergy]
-) -> Prediction:
-    """Return a prediction with u_levels and u_settling from levels (m/s^2) about the set one.
-
-    u_settling is the root mean square over all levels, because at a single one the few rows may
-    settle at once.
+    Resolved grains have none, but on a vertical axis they fly as one mass up to `LOCKING_LEVEL`.
     """
-    if point.W_T <= 0.0:
-        return point
-    apart = []
-    for total in totals:
-        if total.window is not None and total.total > 0.0:
-            apart.append(total.window / total.total - 1.0)
-    return replace(
-        point,
-        u_levels=READ * misread(levels, [total.total for total in totals]) / point.W_T,
-        u_settling=math.sqrt(math.fsum(value**2 for value in apart) / len(apart)),
-    )
+    scene, level = condition.scene, condition.drive.acceleration
+    if scene.bed != "grains":
+        return condition
+    if scene.axis != "vertical" or level > LOCKING_LEVEL * rig.gravity:
+        return None
+    return replace(condition, scene=replace(scene, bed="single_mass", single_mass=SingleMass()))
 
 
-def misread(levels: Sequence[float], W: Sequence[float]) -> float:
-    """Return the largest error, J, of W at the inner levels when interpolated from its neighbours
-    as `analysis.session.prediction` does.
-
-    A power law between them, a straight line if W is 0 at one.
-    """
-    errors = [0.0]
-    for n in range(1, len(levels) - 1):
-        (a0, a, a1), (W0, found, W1) = levels[n - 1 : n + 2], W[n - 1 : n + 2]
-        if W0 > 0.0 and W1 > 0.0:
-            read = W0 * (W1 / W0) ** (math.log(a / a0) / math.log(a1 / a0))
-        else:
-            read = W0 + (W1 - W0) * (a - a0) / (a1 - a0)
-        errors.append(abs(read - found))
-    return max(errors)
-
-
-def _table(levels: list[float], totals: list[ModelEnergy]) -> dict[str, list[float]]:
-    return {
-        "acceleration": levels,
-        "W_T": [total.total for total in totals],
-        "W_f": [total.friction for total in totals],
-        "W_c": [total.collision for total in totals],
-    }
-
-
-def _single_mass_about(condition: Condition, rig: Rig) -> tuple[Prediction, dict[str, list[float]]]:
-    """Return the prediction and table of a single mass.
-
-    Where its orbit jumps between levels, the uncertainty of W_T at the measured level is the error
-    of interpolating each level from its neighbours: half of a jump at the jump.
-    """
-    drive, filling, window = condition.drive, nominal(condition.scene, rig), _window(condition)
-
-    def tier(level: float, cycles: tuple[int, int]) -> SingleMassTotal:
-        return single_mass_variant(
-            condition.scene, rig, filling, level, drive.frequency, *cycles, window
-        )
-
-    levels = [drive.acceleration * level for level in SINGLE_MASS_LEVELS]
-    set_level = len(levels) // 2
-    found = [tier(level, SINGLE_MASS_AVERAGE) for level in levels]
-    found[set_level] = tier(drive.acceleration, (SETTLE, AVERAGE))
-    totals, point = (
-        [one.total for one in found],
-        _single_mass_prediction(condition, rig, found[set_level]),
-    )
-    near = slice(set_level - SINGLE_MASS_REACH - 1, set_level + SINGLE_MASS_REACH + 2)
-    return _with_uncertainty(point, levels[near], totals[near]), _table(levels, totals)
-
-
-def _single_mass_prediction(condition: Condition, rig: Rig, found: SingleMassTotal) -> Prediction:
+def _predicted(
+    condition: Condition,
+    rig: Rig,
+    own: OwnPrediction | None,
+    levels: Sequence[float],
+    totals: Sequence[ModelEnergy],
+    cycles: int,
+) -> tuple[Prediction, dict[str, Any]]:
+    """Return the prediction and its table from the bed's own at the levels; empty without one."""
     scene = condition.scene
-    mass = bed_mass(scene, rig.packing_shaken)
-    return Prediction(
+    known = variants(condition, rig, levels, partial(_layers, condition, rig, levels, cycles))
+    if own is None:
+        known["own"] = Variant(None, why=f"bed {scene.bed} has no prediction of its own here")
+    else:
+        stated = SINGLE_MASS_FOR_GRAINS if scene.bed == "grains" else 0.0
+        known["own"] = event_resolved(
+            totals,
+            u_rel=own.u_rel,
+            u_levels=own.u_levels,
+            u_settling=own.u_settling,
+            u_stated=stated,
+        )
+        if scene.bed == "layers":
+            known["layers"] = known["own"]
+    bounds = [_bound(condition, rig, own, level) for level in levels]
+    known["band"] = Variant(None, why="a band, no number: see W_T_low and W_T_high")
+    name = _headline(condition, known)
+    chosen, middle = known[name], len(levels) // 2
+    shared = scene.bed != "grains" and name in ("own", scene.bed if scene.bed == "layers" else "")
+    printed, layers, column = (_with_U(known[each], middle) for each in VARIANTS)
+    reasons = {f"W_T_{each}": known[each].why for each in VARIANTS if known[each].why}
+    if chosen.why:
+        reasons["W_T"] = chosen.why
+    mass = _grain_mass(scene, rig) if own is None else own.bed_mass
+    point = Prediction(
         bed_mass=mass,
         box_mass=box_mass(scene.cavity, rig.wall_density),
-        layers=layer_count(scene),
-        carried=mass > 0.0 and not found.moves,
-        W_f=found.total.friction,
-        W_c=found.total.collision,
-        W_T=found.total.total,
-        W_T_as_printed=0.0,
-        bound=found.bound,
-        period=found.total.period,
-        periodic_share=found.total.periodic_share,
-        u_rel=math.hypot(SINGLE_MASS_ERROR, found.error),
+        layers=layer_count(scene) if own is None else own.layers,
+        carried=own is not None and own.carried and scene.bed != "grains",
+        prediction=name,
+        W_f=_at(chosen.W_f, middle),
+        W_c=_at(chosen.W_c, middle),
+        W_T=_at(chosen.W_T, middle),
+        W_T_low=0.0 if name == "band" else None,
+        W_T_high=bounds[middle] if name == "band" else None,
+        W_T_as_printed=printed[0],
+        U_W_T_as_printed=printed[1],
+        W_T_layers=layers[0],
+        U_W_T_layers=layers[1],
+        W_T_column=column[0],
+        U_W_T_column=column[1],
+        reasons=reasons,
+        bound=bounds[middle],
+        period=own.period if own is not None and shared else None,
+        periodic_share=own.periodic_share if own is not None and shared else None,
+        W_own=own.W_T if own is not None and scene.bed != "grains" else None,
+        shares_mechanism=shared,
+        u_rel=chosen.u_rel,
+        u_levels=chosen.u_levels,
+        u_settling=chosen.u_settling,
+        u_stated=chosen.u_stated,
     )
+    table: dict[str, Any] = {"acceleration": list(levels)}
+    table["W_T"] = None if chosen.W_T is None else list(chosen.W_T)
+    for key, values in (("W_f", chosen.W_f), ("W_c", chosen.W_c)):
+        if values is not None:
+            table[key] = list(values)
+    if name == "band":
+        table |= {"W_T_low": [0.0] * len(levels), "W_T_high": bounds}
+    table["variants"] = {each: _plain(known[each]) for each in VARIANTS}
+    return point, table
 
 
-def _prediction(condition: Condition, rig: Rig, bed: Stack, total: ModelEnergy) -> Prediction:
+def _layers(condition: Condition, rig: Rig, levels: Sequence[float], cycles: int) -> Variant:
+    """Return the layers variant of a condition whatever its bed."""
+    try:
+        totals = layers_energies(condition, rig, levels, cycles)
+    except InputError as error:
+        return Variant(None, why=error.mistakes[0].found)
+    middle = totals[len(totals) // 2].total
+    apart = READ * misread(levels, [total.total for total in totals])
+    return event_resolved(totals, NUMERICAL_ERROR, apart / middle if middle > 0.0 else 0.0)
+
+
+def _headline(condition: Condition, known: Mapping[str, Variant]) -> str:
+    """Return the name of the prediction that W_T is of: the protocol's, or the default of the bed."""
+    bed = condition.scene.bed
+    if bed in RIGID_BEDS:
+        return "own"
+    if condition.prediction is not None:
+        return condition.prediction
+    if bed == "layers":
+        return "layers"
+    return next((name for name in ("own", "column") if known[name].W_T is not None), "band")
+
+
+def _with_U(variant: Variant, place: int) -> tuple[float | None, float | None]:
+    """Return a variant's energy at one level and its expanded uncertainty (k = 2), J."""
+    W_T = _at(variant.W_T, place)
+    u = math.hypot(variant.u_rel, variant.u_levels, variant.u_settling, variant.u_stated)
+    return W_T, None if W_T is None else 2.0 * u * W_T
+
+
+def _at(values: Sequence[float] | None, place: int) -> float | None:
+    return None if values is None else values[place]
+
+
+def _plain(variant: Variant) -> dict[str, Any]:
+    """Return a variant for the session, without its parts and what is zero or empty."""
+    found = {key: value for key, value in asdict(variant).items() if value}
+    found["W_T"] = None if variant.W_T is None else list(variant.W_T)
+    return {key: value for key, value in found.items() if key not in ("W_f", "W_c")}
+
+
+def _grain_mass(scene: Scene, rig: Rig) -> float:
+    return bed_mass(scene, rig.packing_shaken)
+
+
+def _bound(condition: Condition, rig: Rig, own: OwnPrediction | None, level: float) -> float:
+    """Return the upper bound of the energy per cycle at a level (m/s^2), J.
+
+    Grains: m g V/f on a vertical axis where no grain reaches the lid, because the mean contact
+    force is m g and never negative. A lid pushes down as well, and so do end walls: 4 m V^2, two
+    plastic hits of the whole bed per cycle.
+    """
     scene, drive = condition.scene, condition.drive
-    velocity = drive.acceleration / (2.0 * np.pi * drive.frequency)
-    has_grains = scene.bed in ("layers", "locked")
-    mass = bed_mass(scene, rig.packing_shaken) if has_grains else 0.0
-    return Prediction(
-        bed_mass=mass,
-        box_mass=box_mass(scene.cavity, rig.wall_density),
-        layers=layer_count(scene) if has_grains else 0,
-        carried=mass > 0.0 and total.total == 0.0,
-        W_f=total.friction,
-        W_c=total.collision,
-        W_T=total.total,
-        W_T_as_printed=as_printed_variant(scene, rig, velocity),
-        bound=plastic_bound(mass, velocity, bed.restitution) if scene.bed == "layers" else 0.0,
-        period=total.period,
-        periodic_share=total.periodic_share,
-    )
+    if own is not None and scene.bed != "grains":
+        return own.bound * (level / drive.acceleration) ** 2
+    mass, velocity = _grain_mass(scene, rig), Waveform(drive.frequency, level).velocity_unit
+    if scene.axis == "vertical" and rig.gravity > 0.0:
+        room = (1.0 - scene.grains.fill) * scene.cavity.height
+        if room > thrown_height(velocity, drive.frequency, rig.gravity):
+            return mass * rig.gravity * velocity / drive.frequency
+    return plastic_bound(mass, velocity, 0.0)

@@ -16,7 +16,7 @@ from daq.random_streams import stream
 from rig.beds.janssen_stack import nominal
 from rig.catalog.entries import Rig
 from rig.errors import InputError
-from rig.prediction.model import total_of
+from rig.prediction.own import total_of
 from rig.protocol.spec import Condition
 
 DRAWS = 100
@@ -39,9 +39,7 @@ STATED: Mapping[str, Stated] = {
     "janssen_ratio": Stated(0.5, 0.9, "K_p, 0.7 within 0.2"),
     "restitution_grains": Stated(0.8, 0.98, "e, 0.9 within 0.1, below 1"),
     "restitution_wall": Stated(0.65, 0.85, "e0, 0.75 within 0.1"),
-    "clearance": Stated(
-        0.1, 1.25, "c, from what discrete elements give to the paper's own distance and beyond"
-    ),
+    "clearance": Stated(0.1, 1.25, "c, from a tenth of the paper's own distance to beyond it"),
 }
 
 

@@ -10,6 +10,8 @@ layer's energy is computed once over the possible clearances of a row, and a ref
 over its rows.
 """
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
@@ -18,7 +20,7 @@ from daq.random_streams import stream
 from rig.beds.janssen_stack import Filling, layer_count, mobile_share, stack
 from rig.catalog.entries import Rig
 from rig.errors import InputError
-from rig.prediction.model import SINGLE_MASS_AVERAGE, single_mass_variant
+from rig.prediction.own import SINGLE_MASS_AVERAGE, single_mass_variant
 from rig.protocol.spec import Condition
 from rig.theory.friction import slip_distance
 from rig.theory.total import TooManyEvents, layer_energies
@@ -51,20 +53,16 @@ def refill_ratios(condition: Condition, rig: Rig, W_T: float) -> tuple[float, ..
     Empty if W_T is 0, for beds that a refill does not change, and if a bed cannot be followed.
     """
     scene = condition.scene
-    if not W_T > 0.0:
+    if not W_T > 0.0 or scene.bed not in REFILLED:
         return ()
     try:
-        energies = (
-            _single_masses(condition, rig)
-            if scene.bed == "single_mass"
-            else _layers(condition, rig)
-        )
+        energies = REFILLED[scene.bed](condition, rig, W_T)
     except (InputError, TooManyEvents):
         return ()
     return tuple(float(f"{energy / W_T:.5g}") for energy in energies)
 
 
-def _layers(condition: Condition, rig: Rig) -> Array:
+def _layers(condition: Condition, rig: Rig, _W_T: float) -> Array:
     scene, drive = condition.scene, condition.drive
     settings, layers, rng = scene.layers, layer_count(scene), stream(SEED, "refills")
     packed, played = _deviates(rng)
@@ -113,7 +111,7 @@ def _layers(condition: Condition, rig: Rig) -> Array:
     return np.asarray(packing / loosest * top[np.arange(COUNT), moving])
 
 
-def _single_masses(condition: Condition, rig: Rig) -> Array:
+def _single_masses(condition: Condition, rig: Rig, _W_T: float) -> Array:
     scene, drive = condition.scene, condition.drive
     packed, _ = _deviates(stream(SEED, "refills"))
     beds = (
@@ -128,6 +126,20 @@ def _single_masses(condition: Condition, rig: Rig) -> Array:
     return np.array([one.total.total for one in found])
 
 
+def _columns(_condition: Condition, rig: Rig, W_T: float) -> Array:
+    """Return energies of refilled columns: in proportion to their mass, thresholds do not change."""
+    packed, _ = _deviates(stream(SEED, "refills"))
+    return np.asarray(W_T * (1.0 + rig.refill_packing * packed), dtype=np.float64)
+
+
 def _deviates(rng: np.random.Generator) -> Array:
     """Return normal deviates of packing and clearance, one for each bed, shape (2, COUNT)."""
     return np.array([ndtri((rng.permutation(COUNT) + rng.random(COUNT)) / COUNT) for _ in range(2)])
+
+
+REFILLED: Mapping[str, Callable[[Condition, Rig, float], Array]] = {
+    "layers": _layers,
+    "single_mass": _single_masses,
+    "column": _columns,
+}
+"""Beds that a refill changes, with the energies of refilled beds (J): (condition, rig, W_T)."""

@@ -16,6 +16,7 @@ from rig.errors import nearest, quote
 from rig.protocol.deliberate_errors import DeliberateError
 from rig.protocol.spec import (
     BEDS,
+    BEDS_OF_ROWS,
     BUILT_BEDS,
     BUILT_MODES,
     HORIZONTAL_ONLY_BEDS,
@@ -142,7 +143,7 @@ def _box(scene: Scene) -> Iterator[Conflict]:
             ("scene.grains.diameter", *cavity_paths), found, "grains smaller than the cavity"
         )
         return
-    if scene.bed != "layers" or grains.fill == 0.0:
+    if scene.bed not in BEDS_OF_ROWS or grains.fill == 0.0:
         return
     layers = round(grains.fill * cavity.height / grains.diameter)
     paths = ("scene.grains.diameter", "scene.grains.fill", "scene.cavity.height")
@@ -153,7 +154,7 @@ def _box(scene: Scene) -> Iterator[Conflict]:
         )
     elif layers > MOST_LAYERS:
         yield Conflict(paths, f"{layers} layers of grains", f"at most {MOST_LAYERS} layers")
-    elif layers * scene.layers.rows > MOST_ROWS:
+    elif scene.bed == "layers" and layers * scene.layers.rows > MOST_ROWS:
         found = f"{layers * scene.layers.rows} rows in all layers"
         yield Conflict(("scene.layers.rows", *paths), found, f"at most {MOST_ROWS}")
 

@@ -17,10 +17,20 @@ from daq.documents.shapes import Shape, plain
 from rig.errors import InputError, Mistake, in_order, quote
 from rig.protocol.claims import expect_shape, plain_expect
 from rig.protocol.fault_list import faults_shape, plain_faults
-from rig.protocol.feasibility import conflicts, misfits, unfit
+from rig.protocol.feasibility import Conflict, conflicts, misfits, unfit
 from rig.protocol.seed_keys import seed_key
-from rig.protocol.spec import Acquire, Condition, Drive, Protocol, Scene
+from rig.protocol.spec import (
+    BEDS_OF_GRAINS,
+    LOCKING_LEVEL,
+    RIGID_BEDS,
+    Acquire,
+    Condition,
+    Drive,
+    Protocol,
+    Scene,
+)
 from rig.protocol.vary import Axes, axes_shape, plain_axes
+from rig.units import GRAVITY
 
 if TYPE_CHECKING:
     from rig.catalog.entries import Material
@@ -35,6 +45,7 @@ CHECKED = (
     "deliberate_error",
     "fidelity",
     "tolerance",
+    "prediction",
 )
 
 Row = Mapping[str, int]
@@ -117,6 +128,7 @@ def expand(
         for conflict in (
             *found,
             *misfits(protocol.deliberate_error, point.scene, point.drive, point.acquire),
+            *_unpredicted(protocol.prediction, point.scene, point.drive),
         ):
             if not failed.intersection(conflict.paths):
                 where = place(conflict.paths[0], point.rows)
@@ -145,6 +157,7 @@ def expand(
             point.drive,
             point.acquire,
             seed_key(point.scene, point.drive),
+            protocol.prediction,
         )
         for n, point in enumerate(points, 1)
     )
@@ -231,3 +244,24 @@ def _repeated(
                 where, path, "a condition that stands in the grid already", "every condition once"
             )
     return Mistake("", "vary", "a condition twice", "every condition once")
+
+
+def _unpredicted(prediction: str | None, scene: Scene, drive: Drive) -> Iterator[Conflict]:
+    """Yield why a named prediction can never be stated for a condition; beds that cannot slide keep
+    their own.
+    """
+    bed, axis = scene.bed, scene.axis
+    if prediction is None or bed in RIGID_BEDS:
+        return
+    found = f"prediction {prediction} for bed {bed}"
+    if bed not in BEDS_OF_GRAINS and prediction != "own":
+        yield Conflict(("prediction", "scene.bed"), found, "own for this bed")
+    elif prediction in ("layers", "column", "as_printed") and axis != "horizontal":
+        allowed = "own or band on this axis"
+        yield Conflict(("prediction", "scene.axis"), f"{found} on axis {axis}", allowed)
+    elif prediction == "own" and bed == "grains":
+        lands = axis == "vertical" and drive.acceleration <= LOCKING_LEVEL * GRAVITY
+        if not lands:
+            found += f" on axis {axis} at {drive.acceleration / GRAVITY:.3g} g"
+            allowed = f"layers, column or as_printed on a horizontal axis, band elsewhere; own up to {LOCKING_LEVEL:g} g vertically"
+            yield Conflict(("prediction", "scene.bed", "scene.axis"), found, allowed)

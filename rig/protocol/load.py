@@ -135,6 +135,8 @@ def dump_protocol(protocol: Protocol) -> str:
         data["fidelity"] = protocol.fidelity
     if protocol.tolerance is not None:
         data["tolerance"] = protocol.tolerance
+    if protocol.prediction is not None:
+        data["prediction"] = protocol.prediction
     made = plain(keys_of(DeliberateError), protocol.deliberate_error)
     if protocol.deliberate_error.kinds:
         data["deliberate_error"] = {kind: made[kind] for kind in protocol.deliberate_error.kinds}

@@ -19,10 +19,17 @@ from rig.protocol.faults import Fault
 from rig.units import Quantity
 
 SCHEMA = "rig/protocol/1"
-BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "grains", "loop_back")
-BUILT_BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "loop_back")
+BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "column", "grains", "loop_back")
+BUILT_BEDS = ("empty", "locked", "dashpot", "single_mass", "layers", "column", "loop_back")
 LOOP_BACK = "loop_back"  # no bed: the box is empty and one voltage is connected to all inputs
-HORIZONTAL_ONLY_BEDS = ("layers",)
+HORIZONTAL_ONLY_BEDS = ("layers", "column")
+RIGID_BEDS = ("empty", "locked", "dashpot", "loop_back")  # nothing slides or flies in them
+BEDS_OF_GRAINS = ("layers", "column", "grains")
+BEDS_OF_ROWS = ("layers", "column")  # beds made of rows that slide in the box
+PREDICTIONS = ("layers", "column", "as_printed", "own", "band")
+LOCKING_LEVEL = 3.3
+"""Level a/g up to which vertical grains fly and land as one mass, once a cycle: sqrt(1 + pi^2)."""
+
 LOSSES = ("noise", "air", "gas", "mount")
 MODES = ("prescribed", "shaker")
 BUILT_MODES = ("prescribed", "shaker")
@@ -44,6 +51,7 @@ Coupled = Literal["DC", "AC", "IEPE"]
 Volts = Annotated[float | Literal["auto"] | None, Quantity("voltage", 0.0, 1000.0, above=True)]
 Fidelity = Literal["as_written", "auto"]
 Density = Annotated[float | None, Quantity("density", 0.0, 30000.0, above=True)]
+Named = Literal["layers", "column", "as_printed", "own", "band"]
 
 
 @dataclass(frozen=True)
@@ -241,6 +249,7 @@ class Condition:
 
     seed_key : hash of the content that seeds its random streams (rig.protocol.seed_keys). Losses,
         support and acquisition are no part of it: the bed stays the same when they change.
+    prediction : name of the one that W_T is of; None for the bed's default
     """
 
     id: str
@@ -248,6 +257,12 @@ class Condition:
     drive: Drive
     acquire: Acquire
     seed_key: str
+    prediction: Named | None = None
+
+    @property
+    def has_level(self) -> bool:
+        """Whether a level is set, for which W_T of a sine can be predicted: not in open loop."""
+        return self.drive.mode == "prescribed" or self.drive.control == "level"
 
 
 @dataclass(frozen=True)
@@ -287,7 +302,9 @@ class Protocol:
     """An experiment as written. The grid has the axes of `vary` in the order written, the last one
     fastest. With `fidelity` auto, rows per layer, settling and record are chosen for each
     condition, so that the error of W per cycle against the fully resolved scene stays within
-    `tolerance` (null: 1 %)."""
+    `tolerance` (null: 1 %). `prediction` names the W_T that the headline compares with; null is the
+    bed's default: layers for bed layers, the bed's own where there is one, else column where it is
+    stated, else a band."""
 
     name: str
     schema: str = SCHEMA
@@ -304,3 +321,4 @@ class Protocol:
     deliberate_error: DeliberateError = NO_DELIBERATE_ERROR
     fidelity: Fidelity = "as_written"
     tolerance: Annotated[float | None, Quantity("number", 0.0, 1.0, above=True)] = None
+    prediction: Named | None = None

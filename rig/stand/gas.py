@@ -12,14 +12,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from rig.beds.janssen_stack import Filling, Stack, nominal, stack
+from rig.beds.column import rows_of
+from rig.beds.janssen_stack import Filling, Stack, nominal
 from rig.catalog.entries import Rig
 from rig.drive.losses import AIR_DENSITY, AIR_VISCOSITY
 from rig.drive.waveform import Waveform, viscous_energy
 from rig.kernels.rows.one_row import RowSet
 from rig.kernels.rows.slip_moments import slip_moments
 from rig.kernels.waveform import crossings, extrema
-from rig.protocol.spec import Scene
+from rig.protocol.spec import BEDS_OF_ROWS, Scene
 
 LEAST_SHARE = 0.01
 """Gas drag below this fraction of the bed's weight, at the fastest slip, is neglected."""
@@ -41,11 +42,11 @@ def share_of_weight(scene: Scene, rig: Rig, acceleration: float, frequency: floa
     filling, exact sine; 0 without slip.
     """
     density = scene.grains.density
-    if scene.bed != "layers" or density is None:
+    if scene.bed not in BEDS_OF_ROWS or density is None:
         return 0.0
     motion = Waveform(frequency, acceleration)
     filling = nominal(scene, rig)
-    peak = motion.velocity_unit * _moments(stack(scene, rig, filling), motion)[2]
+    peak = motion.velocity_unit * _moments(rows_of(scene, rig, filling), motion)[2]
     viscous, inertial = ergun(scene.grains.diameter, filling.packing)
     return (viscous * peak + inertial * peak**2) / (filling.packing * density * rig.gravity)
 
@@ -55,9 +56,9 @@ def gas_energy(scene: Scene, rig: Rig, filling: Filling, motion: Waveform) -> fl
     motion, J.
     """
     density = scene.grains.density
-    if scene.bed != "layers" or density is None:
+    if scene.bed not in BEDS_OF_ROWS or density is None:
         return 0.0
-    bed = stack(scene, rig, filling)
+    bed = rows_of(scene, rig, filling)
     second, third, _ = _moments(bed, motion)
     viscous, inertial = ergun(scene.grains.diameter, filling.packing)
     unit = motion.velocity_unit

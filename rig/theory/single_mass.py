@@ -135,6 +135,15 @@ def bound(single_mass: MassInGap, velocity: float, frequency: float, found: Mean
     return plastic_bound(single_mass.mass, velocity, single_mass.restitution)
 
 
+def thrown_height(velocity: float, frequency: float, gravity: float) -> float:
+    """Return the height above the floor, m, that a grain of a vertical box does not reach, at a box
+    velocity amplitude (m/s): thrown at 2 V, an elastic hit of the floor at its fastest, while the
+    floor comes back from one end of its stroke to the other.
+    """
+    stroke = velocity / (2.0 * math.pi * frequency)
+    return (2.0 * velocity) ** 2 / (2.0 * gravity) + 2.0 * stroke
+
+
 def zero_gravity_energy(gap: float) -> float:
     """Return W per cycle of a plastic mass between two walls without weight, gap <= pi: (1 - cos
     t)^2, t - sin t = gap.

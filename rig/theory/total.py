@@ -80,6 +80,15 @@ def plastic_bound(mass: float, velocity: float, row_restitution: float) -> float
     return 4.0 * mass * velocity**2 * (1.0 + row_restitution) / (1.0 - row_restitution)
 
 
+def slider_bound(mass: float, velocity: float) -> float:
+    """Return the upper bound of the energy that blocks with Coulomb friction and no walls dissipate
+    per cycle of a sine, J: 4/pi M V^2.
+
+    Largest value of 4 eta sqrt(1 - (pi eta/2)^2), eta the threshold over the peak acceleration.
+    """
+    return 4.0 / np.pi * mass * velocity**2
+
+
 def sliding_rows(
     threshold: Array,
     clearance: Array,
@@ -90,7 +99,7 @@ def sliding_rows(
     """Return the rows that slide on an exact sine of peak `acceleration`, in units of that sine.
 
     threshold : acceleration at which each layer slides, m/s^2, shape (layers,)
-    clearance : clearance of each row, m, shape (layers, rows)
+    clearance : clearance of each row, m, shape (layers, rows); infinite for rows without end walls
     """
     sine, cosine = np.ones(1), np.zeros(1)
     flowing = threshold < acceleration

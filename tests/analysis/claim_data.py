@@ -36,6 +36,7 @@ def result(W, a=5.0, *, W_T=None, still=False, scale=0.0, name="c", refills=()):
         detect=1e-6,
         refills=tuple(refills),
         predicted=Predicted(),
+        inside=None,
     )
     # the rules of a real condition, which need no more than these fields
     found.is_seen = Result.is_seen.fget(found)

@@ -16,7 +16,8 @@ from daq.documents.classes import built
 from rig.beds.janssen_stack import refill
 from rig.catalog.rig_file import load_rig
 from rig.prediction.document import condition_facts
-from rig.prediction.model import predict, total_of
+from rig.prediction.model import predict
+from rig.prediction.own import total_of
 from rig.prediction.refills import refill_ratios
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol

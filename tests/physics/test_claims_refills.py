@@ -15,7 +15,7 @@ from daq.chain.channel import AnalyzerSpec, Channel, channel_info, ideal_transdu
 from rig.beds.janssen_stack import refill
 from rig.catalog.rig_file import load_rig
 from rig.prediction.document import condition_facts
-from rig.prediction.model import total_of
+from rig.prediction.own import total_of
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol
 

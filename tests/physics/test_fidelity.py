@@ -18,7 +18,7 @@ from rig.fidelity.lengths import LEAST_RECORD, LONGEST_RECORD, choose_lengths
 from rig.fidelity.pilot import Pilot, rows_pilot
 from rig.fidelity.rows import COVERAGE, LADDER, SHARE, choose_rows, scatter
 from rig.fidelity.scene_rows import resolved_rows, with_rows
-from rig.prediction.model import layers_variant
+from rig.prediction.own import layers_variant
 from rig.protocol.spec import Cavity, Drive, Grains, Scene
 from rig.protocol.spec import Layers as LayersOf
 

@@ -14,7 +14,8 @@ from rig.kernels.rows.many_rows import steady_and_window
 from rig.kernels.rows.one_row import RowSet, cycle, no_events
 from rig.kernels.single_mass.many_cycles import AVERAGE, SETTLE, steady
 from rig.kernels.waveform import crossings, extrema
-from rig.prediction.model import layers_variant, misread, predict_about
+from rig.prediction.model import predict_about
+from rig.prediction.own import layers_variant, misread
 from rig.protocol.grid import conditions as conditions_of
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition

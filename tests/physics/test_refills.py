@@ -5,7 +5,8 @@ import pytest
 
 from rig.beds.janssen_stack import refill
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import predict, total_of
+from rig.prediction.model import predict
+from rig.prediction.own import total_of
 from rig.prediction.refills import COUNT, refill_ratios
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol

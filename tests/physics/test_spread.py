@@ -7,7 +7,7 @@ import pytest
 
 from rig.beds.janssen_stack import nominal
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import total_of
+from rig.prediction.own import total_of
 from rig.prediction.parameter_uncertainty import STATED, drawn, model_ratios
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol

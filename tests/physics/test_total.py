@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from rig.beds.janssen_stack import layer_count, mobile_share, nominal, stack
 from rig.catalog.entries import Rig
 from rig.kernels.chain import rebound
-from rig.prediction.model import layers_variant, predict
+from rig.prediction.model import predict
+from rig.prediction.own import layers_variant
 from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Scene
 from rig.theory.chain import COLLAPSE, grains_in_row
 from rig.theory.total import as_printed_collision, plastic_bound

@@ -16,7 +16,7 @@ from rig.campaign.resolve import campaign_of
 from rig.campaign.session_plan import exciter_facts
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
-from rig.prediction.document import condition_facts, has_level, prediction_document, predictions
+from rig.prediction.document import condition_facts, prediction_document, predictions
 from rig.protocol.load import load_protocol
 from rig.protocol.schedule import Run
 from rig.protocol.spec import Protocol
@@ -46,7 +46,7 @@ class Plan:
             condition_facts(c, rig, found[c.id][0], campaign.lengths[c.id].rate)
             for c in campaign.conditions
         )
-        told = {c.id: found[c.id] for c in campaign.conditions if has_level(c)}
+        told = {c.id: found[c.id] for c in campaign.conditions if c.has_level}
         return cls(protocol, rig, prediction_document(told), {fact["id"]: fact for fact in facts})
 
     def session(self, seed: int) -> "MemoryRecord":

@@ -30,7 +30,7 @@ from rig.catalog.rig_file import load_rig
 from rig.errors import InputError
 from rig.fidelity.scene_rows import resolved_rows, side_by_side, with_rows
 from rig.prediction.forecast import forecast
-from rig.prediction.model import layers_variant
+from rig.prediction.own import layers_variant
 from rig.protocol.load import dump_protocol, load_protocol
 from rig.stand.force_peaks import use_of
 from rig.stand.prescribed import Stand

@@ -13,7 +13,8 @@ from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
 from rig.drive.waveform import Waveform
 from rig.errors import InputError
-from rig.prediction.model import Prediction, predict
+from rig.prediction.own import OwnPrediction, predict_own
+from rig.prediction.variants import as_printed_variant
 from rig.protocol.grid import conditions
 from rig.protocol.spec import Acquire, Cavity, Condition, Drive, Grains, Layers, Protocol, Scene
 from rig.stand.ledger import COLUMNS
@@ -31,9 +32,11 @@ def scene(**grains: float) -> Scene:
     return Scene(grains=replace(Grains(density=STEEL), **grains))  # type: ignore[arg-type]
 
 
-def model(what: Scene, rig: Rig, acceleration: float = 5.0, frequency: float = 20.0) -> Prediction:
+def model(
+    what: Scene, rig: Rig, acceleration: float = 5.0, frequency: float = 20.0
+) -> OwnPrediction:
     """Return the prediction of `rig model`."""
-    return predict(
+    return predict_own(
         Condition("c", what, Drive(frequency=frequency, acceleration=acceleration), Acquire(), ""),
         rig,
     )
@@ -58,9 +61,9 @@ def fills() -> CaseOutcome:
     negative, beyond, gone, mobile = 0.0, 0.0, 0, set()
     for w, d in product([*special, *np.linspace(0.001, 0.9999, 200)], (0.004, 0.007)):
         point = model(scene(fill=float(w), diameter=d), rig)
-        gone += not all(
-            map(math.isfinite, (point.W_T, point.W_T_as_printed, point.bound, point.bed_mass))
-        )
+        velocity = Waveform(20.0, 5.0).velocity_unit
+        printed = as_printed_variant(scene(fill=float(w), diameter=d), rig, velocity)
+        gone += not all(map(math.isfinite, (point.W_T, printed, point.bound, point.bed_mass)))
         negative = max(negative, -point.W_T)
         beyond = max(beyond, point.W_T - point.bound)
         mobile.add(

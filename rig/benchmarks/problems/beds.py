@@ -18,7 +18,8 @@ from rig.benchmarks.problems.sliders import Slider
 from rig.benchmarks.timing import interleaved, peak_memory, ratios, spread
 from rig.catalog.entries import Rig
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import as_printed_variant, layers_variant
+from rig.prediction.own import layers_variant
+from rig.prediction.variants import as_printed_variant
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol
 from rig.protocol.spec import Condition

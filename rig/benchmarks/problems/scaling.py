@@ -12,7 +12,7 @@ from rig.benchmarks.timing import interleaved
 from rig.campaign.one_run.assemble import assemble
 from rig.campaign.resolve import campaign_of
 from rig.catalog.rig_file import load_rig
-from rig.prediction.model import predict
+from rig.prediction.own import predict_own
 from rig.protocol.load import load_protocol
 from rig.theory.total import layers_total
 
@@ -61,7 +61,7 @@ def grains(count: float) -> None:
         1.0 / 3.0
     )
     found = bed(5.0, 8, (f"scene.grains.diameter={diameter!r}",))
-    predict(found.condition, found.rig)
+    predict_own(found.condition, found.rig)
 
 
 def _records(setting: str) -> None:

@@ -9,12 +9,13 @@ from analysis.signals.correction import without_pole
 from analysis.signals.cycles import Window, on_grid, whole_cycles
 from daq.chain.block import Block
 from daq.chain.channel import ChannelInfo
-from rig.beds.janssen_stack import nominal, stack
+from rig.beds.column import rows_of
+from rig.beds.janssen_stack import nominal
 from rig.campaign.one_run.part import RECORDED_SCALARS
 from rig.catalog.entries import Rig
 from rig.kernels.rows.recorded_motion import sampled_energy
 from rig.protocol.schedule import Lengths
-from rig.protocol.spec import Condition
+from rig.protocol.spec import BEDS_OF_ROWS, Condition
 
 SETTLE = 10
 """Cycles of the rows before their energies count."""
@@ -63,7 +64,7 @@ class Listener:
         such prediction.
         """
         bed_name = self._condition.scene.bed
-        if bed_name != "layers":
+        if bed_name not in BEDS_OF_ROWS:
             return dict.fromkeys(RECORDED_SCALARS, 0.0 if bed_name in STILL else float("nan"))
         window, channel = self._window, self._channel
         volts = np.concatenate(self._codes).astype(np.float64) * channel.scale + channel.offset
@@ -73,7 +74,7 @@ class Listener:
         # sensor.
         for pole in channel.time_constants:
             acceleration = without_pole(acceleration, pole, step)
-        bed = stack(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
+        bed = rows_of(self._condition.scene, self._rig, nominal(self._condition.scene, self._rig))
         band, points = np.repeat(bed.threshold, bed.clearance.shape[1]), window.grid.points
         own = RAMP[self._condition.drive.mode]
         found = (

@@ -49,7 +49,7 @@ class Expected:
     level : m/s^2
     entry : its entry in the prediction document
     samples : number of analysed samples
-    refills : energies of refilled beds divided by W_T
+    refills : energies of refilled beds divided by `W_own`, the bed's own prediction, J per cycle
     """
 
     facts: Mapping[str, Any]
@@ -59,6 +59,7 @@ class Expected:
     entry: PredictionEntry | None
     samples: int
     refills: Sequence[float]
+    W_own: float
 
 
 @dataclass(frozen=True)
@@ -164,5 +165,4 @@ def _energies(one: Expected, n: int, rng: np.random.Generator) -> list[float]:
     """Return W of n repeats, J per cycle: refills drawn from the predicted ones."""
     if n == 1 or not one.refills or one.entry is None:
         return [one.W] * n
-    W_T = float(np.median(one.entry.W_T))
-    return [float(one.W + W_T * (ratio - 1.0)) for ratio in rng.choice(one.refills, n)]
+    return [float(one.W + one.W_own * (ratio - 1.0)) for ratio in rng.choice(one.refills, n)]

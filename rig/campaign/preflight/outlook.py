@@ -28,7 +28,7 @@ from rig.campaign.claim_cases import cases
 from rig.campaign.preflight.decisions import Decision, Expected, decisions
 from rig.campaign.preflight.dry_run import DryRun, dry_run_coupled, dry_run_prescribed
 from rig.drive.exciter_limits import Demand
-from rig.prediction.document import condition_facts, has_level, prediction_document
+from rig.prediction.document import condition_facts, prediction_document
 from rig.prediction.forecast import forecast
 from rig.protocol.spec import Condition
 
@@ -75,7 +75,7 @@ class Outlook:
     side_by_side: Demand | None
     range_force: float
     range_acceleration: float
-    W_T: float
+    W_T: float | None
     W_exp: float
     U_W_exp: float | None
     W_detect: float
@@ -165,11 +165,11 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         condition, rig, campaign.protocol.repeats.refill, campaign.averaged.get(condition.id)
     )
     point, refills = ahead.point, ahead.refills
-    scatter = float(np.std(refills)) * point.W_T if refills else 0.0
+    scatter = float(np.std(refills)) * (point.W_own or 0.0) if refills else 0.0
     U, difference, needed = _plan(campaign, condition, channels, dry, float(reactive), scatter)
     samples = round(condition.acquire.record * rate / drive.frequency)
     entry: PredictionEntry | None = None
-    if has_level(condition):
+    if condition.has_level:
         document = prediction_document(
             {condition.id: (point, ahead.table)}, {condition.id: refills}
         )
@@ -182,6 +182,7 @@ def outlook(campaign: Campaign, condition: Condition) -> Outlook:
         entry,
         samples,
         refills,
+        point.W_own or 0.0,
     )
     return Outlook(
         id=condition.id,

@@ -4,8 +4,9 @@ event.
 A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a clearance and a
 coefficient of restitution at both end walls. u in [0, clearance] is its position in the box, z = u'
 its velocity relative to the box, w its velocity in the laboratory frame, all in units of the
-waveform. Between events the motion is closed form; event phases are bracketed roots. Simultaneous
-events have a fixed order: wall before stop, stop before region change.
+waveform. A row with an infinite clearance has no end walls, and u may be negative. Between events
+the motion is closed form; event phases are bracketed roots. Simultaneous events have a fixed order:
+wall before stop, stop before region change.
 """
 
 import math
@@ -237,13 +238,19 @@ def _hit(
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _thrown(region: int, u: float, clearance: float) -> int:
+def _low(clearance: float) -> float:
+    """Return the position of the lower end wall: 0, or minus infinity for a row without walls."""
+    return 0.0 if clearance < math.inf else -math.inf
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _thrown(region: int, u: float, low: float, clearance: float) -> int:
     """Return the direction in which a riding row starts to slide: against the box acceleration, if
     there is room; 0 for none.
     """
     if region == -1 and u < clearance:
         return 1
-    if region == 1 and u > 0.0:
+    if region == 1 and u > low:
         return -1
     return 0
 
@@ -278,16 +285,16 @@ def cycle(
     )
     work, friction, collision, roots = 0.0, 0.0, 0.0, 0
     start, y, w = theta, x + u, v + z
-    start_x, start_v = x, v
+    start_x, start_v, low = x, v, _low(clearance)
     while True:
         if mode == 0:
-            mode = _thrown(region, u, clearance)
+            mode = _thrown(region, u, low, clearance)
             # Ride on from crossing to crossing until one throws the row.
             while mode == 0 and theta < TWO_PI:
                 theta, x, v, a = table[ahead, 0], table[ahead, 1], table[ahead, 2], table[ahead, 4]
                 region = int(table[ahead, 3])
                 ahead += 1
-                mode = _thrown(region, u, clearance)
+                mode = _thrown(region, u, low, clearance)
             # While riding, the row has the velocity of the box: the work is its change of kinetic
             # energy.
             work += 0.5 * (v * v - start_v * start_v)
@@ -299,7 +306,7 @@ def cycle(
             events.phase[n], events.mode[n], events.w[n] = theta, mode, w
             n += 1
         s = float(mode)
-        wall = clearance if mode == 1 else 0.0
+        wall = clearance if mode == 1 else low
         end, x_end, v_end, a_end = (
             table[ahead, 0],
             table[ahead, 1],
@@ -337,7 +344,7 @@ def cycle(
             continue
         before = u
         # Clamped: round-off must not put a row behind a wall.
-        u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, 0.0), clearance)
+        u = wall if hits else min(max(y + w * t - 0.5 * s * band * t * t - x, low), clearance)
         # Coulomb loss: friction times the slip relative to the box, whose sign is that of s.
         friction += band * s * (u - before)
         # Work of the box: friction force -s band on the row times the displacement of the box, not

@@ -3,9 +3,10 @@ exact.
 
 A row has unit mass, Coulomb friction `band` (an acceleration) against the box, a clearance and a
 coefficient of restitution at both end walls; u in [0, clearance] is its position in the box, z = u'
-its velocity relative to the box, SI units. The laws are those of `rig.kernels.rows.one_row`, where
-the motion is a few harmonics in closed form; here it is arbitrary. Between two samples z is a
-parabola and u a cubic in time: a stop is a root of the first, a hit one of the second.
+its velocity relative to the box, SI units. A row with an infinite clearance has no end walls. The
+laws are those of `rig.kernels.rows.one_row`, where the motion is a few harmonics in closed form;
+here it is arbitrary. Between two samples z is a parabola and u a cubic in time: a stop is a root of
+the first, a hit one of the second.
 """
 
 import math
@@ -145,6 +146,7 @@ def _across(
     if mode == 0 and abs(first) <= band and abs(last) <= band:
         return 0, u, 0.0, 0.0, 0.0
     rate = (last - first) / step
+    low = 0.0 if clearance < math.inf else -math.inf
     t, rubbed, struck = 0.0, 0.0, 0.0
     for _ in range(MOST_EVENTS):
         a = first + rate * t
@@ -152,7 +154,7 @@ def _across(
         if mode == 0:
             if a < -band and u < clearance:
                 mode = 1
-            elif a > band and u > 0.0:
+            elif a > band and u > low:
                 mode = -1
             else:
                 # The linear acceleration reaches the threshold within the interval: the row starts
@@ -160,7 +162,7 @@ def _across(
                 wait = math.inf
                 if last < -band and a >= -band and u < clearance:
                     wait, mode = (-band - a) / rate, 1
-                elif last > band and a <= band and u > 0.0:
+                elif last > band and a <= band and u > low:
                     wait, mode = (band - a) / rate, -1
                 if t + wait >= step:
                     return 0, u, 0.0, rubbed, struck
@@ -176,7 +178,7 @@ def _across(
         speed = max(s * z, 0.0)
         stop = _stop(speed, pull, jerk, left)
         end = min(stop, left)
-        gap = clearance - u if mode == 1 else u
+        gap = clearance - u if mode == 1 else u - low
         way = ((jerk / 6.0 * end + 0.5 * pull) * end + speed) * end
         if way >= gap and (speed > 0.0 or end > 0.0):
             end = _hit(gap, speed, pull, jerk, end)
