@@ -60,7 +60,7 @@ class Lists(NamedTuple):
     other : neighbours, each with a larger index than the grain, shape (room,)
     touching : 1 where the two touch, shape (room,)
     memory : of each contact (`SX` ...), shape (room, 6)
-    rolling : stretch of the rolling spring, m, shape (room, 3), or (0, 3) without rolling friction
+    rolling : the same of the rolling spring, shape (room, 6), or (0, 6) without rolling friction
     wall_grain, wall, wall_touching, wall_memory, wall_rolling : the same for grains near a wall
     made_at : place of each grain when the lists were made, m, shape (n, 3)
     sizes : neighbours, wall entries, first grain of slab 1, first wall entry of slab 1

@@ -20,6 +20,7 @@ from rig.kernels.grains.arrays import (
     PAIR_FRICTION,
     PAIR_NORMAL,
     RADIUS,
+    SHELL,
     SPLIT,
     SX,
     SY,
@@ -90,15 +91,30 @@ def pair_forces(
             sp = p + other_radius * motion[j, P]
             sq = q + other_radius * motion[j, Q]
             sr = r + other_radius * motion[j, R]
+            ru, rv, rw = ru - closing * dx, rv - closing * dy, rw - closing * dz
+            # The torque of the old force had the old normal, `turn` from today's.
+            turn = dt * inverse
+            qx, qy, qz = sq * rw - sr * rv, sr * ru - sp * rw, sp * rv - sq * ru
             # Velocity of i's surface against j's, tangential part.
-            ru = ru - closing * dx - (sq * dz - sr * dy)
-            rv = rv - closing * dy - (sr * dx - sp * dz)
-            rw = rw - closing * dz - (sp * dy - sq * dx)
+            ru = ru - (sq * dz - sr * dy)
+            rv = rv - (sr * dx - sp * dz)
+            rw = rw - (sp * dy - sq * dx)
             ax, ay, az = memory[k, FX], memory[k, FY], memory[k, FZ]
             if apart:
                 # The old force acted over half of the step in which the two parted.
                 normal_work += (ax * dx + ay * dy + az * dz) * closing
                 friction_work += ax * ru + ay * rv + az * rw
+                friction_work += turn * (ax * qx + ay * qy + az * qz)
+                if rolls:
+                    friction_work += _old_power(
+                        lists.rolling[k],
+                        motion[i],
+                        motion[j],
+                        dx,
+                        dy,
+                        dz,
+                        radius * other_radius / reach,
+                    )
                 touching[k] = 0
                 continue
             overlap = reach - distance
@@ -123,9 +139,7 @@ def pair_forces(
                 ax, ay, az = 0.0, 0.0, 0.0
                 sx, sy, sz = ru * dt, rv * dt, rw * dt
                 if rolls:
-                    lists.rolling[k, 0] = 0.0
-                    lists.rolling[k, 1] = 0.0
-                    lists.rolling[k, 2] = 0.0
+                    lists.rolling[k] = 0.0
             tx = -(shear * sx + dashpot * ru)
             ty = -(shear * sy + dashpot * rv)
             tz = -(shear * sz + dashpot * rw)
@@ -134,11 +148,18 @@ def pair_forces(
             if pull > cap * cap:
                 share = cap / math.sqrt(pull)
                 tx, ty, tz = share * tx, share * ty, share * tz
-                sx = -(tx + dashpot * ru) / shear
-                sy = -(ty + dashpot * rv) / shear
-                sz = -(tz + dashpot * rw) / shear
+                # A dashpot that alone reaches the cap leaves nothing to the spring. A Hertz spring,
+                # soft at first touch, would be stretched backwards by it without bound; with linear
+                # springs the backward stretch is bounded and does no harm.
+                if law.hertz and dashpot * dashpot * (ru * ru + rv * rv + rw * rw) > cap * cap:
+                    sx, sy, sz = 0.0, 0.0, 0.0
+                else:
+                    sx = -(tx + dashpot * ru) / shear
+                    sy = -(ty + dashpot * rv) / shear
+                    sz = -(tz + dashpot * rw) / shear
             normal_work += (ax * dx + ay * dy + az * dz + push) * closing
             friction_work += (ax + tx) * ru + (ay + ty) * rv + (az + tz) * rw
+            friction_work += turn * (ax * qx + ay * qy + az * qz)
             # Torque on both, over the radius of each.
             px = ty * dz - tz * dy
             py = tz * dx - tx * dz
@@ -208,16 +229,16 @@ def _rolling(
     dashpot: float,
     dt: float,
 ) -> tuple[float, float, float, float]:
-    """Return the rolling torque on grain `one` (N m) and twice its mean power (W).
+    """Return the rolling torque on grain `one` (N m) and the power of the old and new one (W).
 
     A spring, dashpot and slider for the rolling displacement, as the tangential law has them for
-    the sliding one; `cap` is the largest rolling force, N. Updates `memory`, the stretch, m.
+    the sliding one; `cap` is the largest rolling force, N. Updates `memory`: stretch, m, force, N.
     """
     p, q, r = one[P] - two[P], one[Q] - two[Q], one[R] - two[R]
     u = radius * (q * nz - r * ny)
     v = radius * (r * nx - p * nz)
     w = radius * (p * ny - q * nx)
-    sx, sy, sz = memory[0] + u * dt, memory[1] + v * dt, memory[2] + w * dt
+    sx, sy, sz = memory[SX] + u * dt, memory[SY] + v * dt, memory[SZ] + w * dt
     along = sx * nx + sy * ny + sz * nz
     sx, sy, sz = sx - along * nx, sy - along * ny, sz - along * nz
     fx = -(stiffness * sx + dashpot * u)
@@ -230,13 +251,27 @@ def _rolling(
         sx = -(fx + dashpot * u) / stiffness
         sy = -(fy + dashpot * v) / stiffness
         sz = -(fz + dashpot * w) / stiffness
-    memory[0], memory[1], memory[2] = sx, sy, sz
-    power = fx * u + fy * v + fz * w
+    power = (memory[FX] + fx) * u + (memory[FY] + fy) * v + (memory[FZ] + fz) * w
+    memory[SX], memory[SY], memory[SZ] = sx, sy, sz
+    memory[FX], memory[FY], memory[FZ] = fx, fy, fz
     return (
         radius * (ny * fz - nz * fy),
         radius * (nz * fx - nx * fz),
         radius * (nx * fy - ny * fx),
-        2.0 * power,
+        power,
+    )
+
+
+@njit(cache=True, nogil=True)
+def _old_power(
+    memory: Floats, one: Floats, two: Floats, nx: float, ny: float, nz: float, radius: float
+) -> float:
+    """Return the power of the rolling force of the last step, W."""
+    p, q, r = one[P] - two[P], one[Q] - two[Q], one[R] - two[R]
+    return float(
+        memory[FX] * radius * (q * nz - r * ny)
+        + memory[FY] * radius * (r * nx - p * nz)
+        + memory[FZ] * radius * (p * ny - q * nx)
     )
 
 
@@ -263,13 +298,23 @@ def wall_forces(
         ru, rv, rw = motion[i, U], motion[i, V], motion[i, W]
         closing = ru * dx + rv * dy + rw * dz
         sp, sq, sr = radius * motion[i, P], radius * motion[i, Q], radius * motion[i, R]
-        ru = ru - closing * dx - (sq * dz - sr * dy)
-        rv = rv - closing * dy - (sr * dx - sp * dz)
-        rw = rw - closing * dz - (sp * dy - sq * dx)
+        ru, rv, rw = ru - closing * dx, rv - closing * dy, rw - closing * dz
         ax, ay, az = memory[k, FX], memory[k, FY], memory[k, FZ]
+        if wall == SHELL and touching[k]:
+            # The torque of the old force had the old normal.
+            off = 0.5 * room.length - distance
+            turn = -dt / off if off > 0.0 else 0.0
+            friction_work += turn * (az * (sp * rv - sq * ru) + sr * (ay * ru - ax * rv))
+        ru = ru - (sq * dz - sr * dy)
+        rv = rv - (sr * dx - sp * dz)
+        rw = rw - (sp * dy - sq * dx)
         if apart:
             normal_work += (ax * dx + ay * dy + az * dz) * closing
             friction_work += ax * ru + ay * rv + az * rw
+            if rolls:
+                friction_work += _old_power(
+                    lists.wall_rolling[k], motion[i], _STILL, dx, dy, dz, radius
+                )
             touching[k] = 0
             continue
         overlap = radius - distance
@@ -293,9 +338,7 @@ def wall_forces(
             ax, ay, az = 0.0, 0.0, 0.0
             sx, sy, sz = ru * dt, rv * dt, rw * dt
             if rolls:
-                lists.wall_rolling[k, 0] = 0.0
-                lists.wall_rolling[k, 1] = 0.0
-                lists.wall_rolling[k, 2] = 0.0
+                lists.wall_rolling[k] = 0.0
         tx = -(shear * sx + dashpot * ru)
         ty = -(shear * sy + dashpot * rv)
         tz = -(shear * sz + dashpot * rw)
@@ -304,9 +347,15 @@ def wall_forces(
         if pull > cap * cap:
             share = cap / math.sqrt(pull)
             tx, ty, tz = share * tx, share * ty, share * tz
-            sx = -(tx + dashpot * ru) / shear
-            sy = -(ty + dashpot * rv) / shear
-            sz = -(tz + dashpot * rw) / shear
+            # A dashpot that alone reaches the cap leaves nothing to the spring. A Hertz spring,
+            # soft at first touch, would be stretched backwards by it without bound; with linear
+            # springs the backward stretch is bounded and does no harm.
+            if law.hertz and dashpot * dashpot * (ru * ru + rv * rv + rw * rw) > cap * cap:
+                sx, sy, sz = 0.0, 0.0, 0.0
+            else:
+                sx = -(tx + dashpot * ru) / shear
+                sy = -(ty + dashpot * rv) / shear
+                sz = -(tz + dashpot * rw) / shear
         normal_work += (ax * dx + ay * dy + az * dz + push) * closing
         friction_work += (ax + tx) * ru + (ay + ty) * rv + (az + tz) * rw
         load[i, 3] += radius * (ty * dz - tz * dy)

@@ -42,7 +42,7 @@ class LostGrains(ArithmeticError):
 
 @dataclass(frozen=True)
 class Packing:
-    """GrainArrays at rest or in motion, in the order of their numbers; SI units, frame of the box.
+    """Grains at rest or in motion, in the order of their numbers; SI units, frame of the box.
 
     place : x, y, z, shape (n, 3); radius, mass : shape (n,); velocity, spin : shape (n, 3)
     cavity : number of the cavity of each grain, shape (n,)
@@ -84,7 +84,7 @@ class Stretch:
 
 
 class Engine:
-    """GrainArrays in a box that moves as it is told; advanced stretch by stretch.
+    """Grains in a box that moves as it is told; advanced stretch by stretch.
 
     The same bits come out whatever the number of threads.
     """
@@ -232,12 +232,12 @@ def _lists(n: int, per_grain: int, rolls: bool) -> Lists:
         other=np.empty(pairs, np.int32),
         touching=np.empty(pairs, np.uint8),
         memory=np.empty((pairs, 6)),
-        rolling=np.empty((pairs if rolls else 0, 3)),
+        rolling=np.empty((pairs if rolls else 0, 6)),
         wall_grain=np.empty(entries, np.int32),
         wall=np.empty(entries, np.uint8),
         wall_touching=np.empty(entries, np.uint8),
         wall_memory=np.empty((entries, 6)),
-        wall_rolling=np.empty((entries if rolls else 0, 3)),
+        wall_rolling=np.empty((entries if rolls else 0, 6)),
         made_at=np.zeros((n, 3)),
         sizes=np.zeros(4, np.int64),
     )

@@ -175,8 +175,9 @@ def _carry_over(lists: Lists, old: Lists, where: Ints) -> None:
                     for k in range(6):
                         lists.memory[q, k] = sign * old.memory[p, k]
                     if rolls:
-                        for k in range(3):
-                            lists.rolling[q, k] = sign * old.rolling[p, k]
+                        # Rolling turns with the spins' difference and with the normal: both
+                        # change their sign, the stretch keeps it.
+                        lists.rolling[q] = old.rolling[p]
                     break
 
 
