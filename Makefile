@@ -6,7 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint docs dist old-hdf5 bench stability slow lock lowest newest clean
+.PHONY: demo test lint docs dist old-hdf5 dem bench stability slow lock lowest newest clean
 
 demo: $(READY)
 	$(BIN)/rig run protocols/fill_rate.yaml --out sessions/fill_rate --force
@@ -38,6 +38,9 @@ old-hdf5: $(READY)
 	$(BIN)/python -m venv $(OLD_HDF5)
 	$(OLD_HDF5)/bin/pip install --quiet --disable-pip-version-check --only-binary :all: -r .ci/old-hdf5.txt
 	$(OLD_HDF5)/bin/python tests/daq/read_with_old_hdf5.py tests/data/session-v1.h5 build/for-old-hdf5/session.h5
+
+dem:
+	.ci/dem
 
 bench: $(READY)
 	$(BIN)/rig bench

