@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from rig.kernels.grains.arrays import Law, Room
 from rig.kernels.grains.engine import Packing
@@ -55,7 +55,7 @@ def normal_energy(grains: Packing, law: Law, room: Room) -> float:
     """Return the elastic energy in the normal springs of pairs and walls, J."""
     if grains.radius.size == 0:
         return 0.0
-    tree = cKDTree(grains.place)
+    tree = KDTree(grains.place)
     pairs = tree.query_pairs(2.0 * float(grains.radius.max()), output_type="ndarray")
     one, two = pairs[:, 0], pairs[:, 1]
     between = grains.place[one] - grains.place[two]

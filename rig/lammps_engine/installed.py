@@ -62,12 +62,12 @@ def _mpi() -> tuple[Path, Path]:
         if library is not None and launcher is not None and library.exists() and launcher.exists():
             return library, launcher
         lacking.append("mpich for Linux")
-    lacking_words = " and ".join(lacking)
+    are = "is" if len(lacking) == 1 else "are"
     raise InputError(
         Mistake(
             "scene.grains_bed.engine",
             "",
-            f"lammps, but {lacking_words} is not installed",
+            f"lammps, but {' and '.join(lacking)} {are} not installed",
             f"own, or lammps after {EXTRA}",
         )
     )

@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Mapping
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ _LENGTH = 8
 def packed(message: Mapping[str, Any]) -> bytes:
     """Return named arrays, numbers and texts as bytes."""
     buffer = io.BytesIO()
-    np.savez(buffer, **{name: np.asarray(value) for name, value in message.items()})
+    arrays: dict[str, Any] = {name: np.asarray(value) for name, value in message.items()}
+    np.savez(buffer, **arrays)
     return buffer.getvalue()
 
 
@@ -26,19 +27,19 @@ def unpacked(data: bytes) -> Message:
         return {name: found[name] for name in found.files}
 
 
-def send(stream: BinaryIO, data: bytes) -> None:
+def send(stream: IO[bytes], data: bytes) -> None:
     """Write the bytes of a message. Raises OSError where nobody reads any more."""
     stream.write(len(data).to_bytes(_LENGTH, "little"))
     stream.write(data)
     stream.flush()
 
 
-def receive(stream: BinaryIO) -> bytes:
+def receive(stream: IO[bytes]) -> bytes:
     """Return the bytes of the next message. Raises EOFError where none comes any more."""
     return _exactly(stream, int.from_bytes(_exactly(stream, _LENGTH), "little"))
 
 
-def _exactly(stream: BinaryIO, size: int) -> bytes:
+def _exactly(stream: IO[bytes], size: int) -> bytes:
     parts, left = [], size
     while left:
         part = stream.read(left)

@@ -10,7 +10,7 @@ from typing import Any
 
 from rig.kernels.grains.arrays import Room
 from rig.kernels.grains.engine import LostGrains, Packing
-from rig.lammps_engine.commands import Commands
+from rig.lammps_engine.commands import LammpsCommands
 from rig.lammps_engine.installed import launch
 from rig.lammps_engine.messages import Message, packed, receive, send, unpacked
 
@@ -18,7 +18,9 @@ _PATIENCE = 10.0
 """Seconds that a process gets to end by itself."""
 
 
-def opening(packing: Packing, room: Room, dt: float, given: Commands, file: str) -> dict[str, Any]:
+def opening(
+    packing: Packing, room: Room, dt: float, given: LammpsCommands, file: str
+) -> dict[str, Any]:
     """Return the message that gives LAMMPS its grains. given : the commands, which name `file`"""
     return {
         "do": "open",
@@ -56,6 +58,10 @@ class LammpsProcess:
             env=environment,
             cwd=self._folder.name,
         )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._to, self._from = self._process.stdin, self._process.stdout
+        self._words = ""
 
     def file(self, name: str) -> str:
         """Return the path of a file in the folder of this process."""
@@ -63,11 +69,9 @@ class LammpsProcess:
 
     def ask(self, message: Mapping[str, Any]) -> Message:
         """Return the answer to a message. Raises LammpsFailed, or LostGrains where grains left."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
         try:
-            send(self._process.stdin, packed(message))
-            answer = unpacked(receive(self._process.stdout))
+            send(self._to, packed(message))
+            answer = unpacked(receive(self._from))
         except (OSError, EOFError):
             self.close()
             raise LammpsFailed(f"LAMMPS ended: {self._last_words()}") from None
@@ -85,15 +89,15 @@ class LammpsProcess:
         """End the process; a second call does nothing."""
         if self._process.poll() is None:
             with contextlib.suppress(OSError):
-                send(self._process.stdin, packed({"do": "end"}))  # type: ignore[arg-type]
+                send(self._to, packed({"do": "end"}))
             try:
                 self._process.wait(_PATIENCE)
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
+        for pipe in (self._to, self._from):
             with contextlib.suppress(OSError):
-                pipe.close()  # type: ignore[union-attr]
+                pipe.close()
         if not self._said.closed:
             self._words = self._read_words()
             self._said.close()

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from rig.errors import InputError
 from rig.kernels.grains.arrays import Law, Room
 from rig.kernels.grains.engine import Packing
-from rig.lammps_engine.commands import Commands, commands, refusal
+from rig.lammps_engine.commands import LammpsCommands, commands, refusal
 from rig.lammps_engine.process import LammpsProcess, opening
 from rig.theory.contact import hertz_contact_time, restitution
 
 Floats = NDArray[np.float64]
-Make = Callable[[Packing, Law, Room, float, str, bool], Commands]
+Make = Callable[[Packing, Law, Room, float, str, bool], LammpsCommands]
 
 WEIGHT, PUSH, FRICTION = 9.80665, 0.05, 0.5
 """Acceleration downwards, m/s^2; sideways, over it; friction that holds ten times as much."""

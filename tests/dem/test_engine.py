@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from grains_scenes import (
-    G,
     MASS,
     PAIR_TIME,
     RADIUS,
+    G,
     balls,
     box,
     cycles,
@@ -24,7 +24,7 @@ from rig.errors import InputError
 from rig.kernels.grains.arrays import Law, Room
 from rig.kernels.grains.engine import Engine, LostGrains, Packing
 from rig.lammps_engine.account import normal_energy
-from rig.lammps_engine.commands import Commands, commands
+from rig.lammps_engine.commands import LammpsCommands, commands
 from rig.lammps_engine.engine import LammpsEngine
 from rig.lammps_engine.process import LammpsFailed, LammpsProcess
 from rig.lammps_engine.wall_test import try_walls
@@ -76,7 +76,7 @@ def test_walls_without_a_tangential_spring_are_refused() -> None:
 
     def classic(
         packing: Packing, law: Law, room: Room, dt: float, file: str, turning: bool = True
-    ) -> Commands:
+    ) -> LammpsCommands:
         given = commands(packing, law, room, dt, file, turning)
         lines = (line.replace("linear_history", "linear_history_classic") for line in given.after)
         return replace(given, after=tuple(lines))
@@ -88,11 +88,11 @@ def test_walls_without_a_tangential_spring_are_refused() -> None:
 def test_walls_that_return_a_ball_wrongly_are_refused() -> None:
     def stiff(
         packing: Packing, law: Law, room: Room, dt: float, file: str, turning: bool = True
-    ) -> Commands:
+    ) -> LammpsCommands:
         elastic = law._replace(wall_damping=0.0) if turning else law
         return commands(packing, elastic, room, dt, file, turning)
 
-    with LammpsProcess(1) as process, pytest.raises(InputError, match="instead of 0.6"):
+    with LammpsProcess(1) as process, pytest.raises(InputError, match=r"instead of 0\.6"):
         try_walls(process, linear(0.6, 0.3), RADIUS, MASS, DT, stiff)
 
 
