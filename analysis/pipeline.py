@@ -9,7 +9,6 @@ import numpy as np
 
 from analysis.comparison.loop_back import LoopBack, loop_back
 from analysis.comparison.offset_terms import actual_of
-from analysis.comparison.verdict import NOT_REACHED
 from analysis.comparison.whole_session import agreement
 from analysis.energy.energy_and_phasors import AtBox, Energy
 from analysis.energy.gauge_position import at_box
@@ -33,6 +32,7 @@ from analysis.session.record import (
     Signal,
     Truth,
 )
+from analysis.session.run_flags import stated_flags, use_of
 from analysis.session.setting import LOOP_BACK, Setting
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.signals.quality import Scrutiny
@@ -47,12 +47,9 @@ BROKEN = int(Flag.GAP | Flag.INVALID | Flag.OVERRUN | Flag.IEPE_OPEN | Flag.IEPE
 CLIPPED = int(Flag.OVERLOAD_HI | Flag.OVERLOAD_LO | Flag.SENSOR_CLIP)
 SETTLED = ~int(Flag.NOT_SETTLED)
 RECORDED = "W_T_recorded"  # scalar: J per cycle, W_T on the recorded waveform
-STOPPED = "stopped_by_"  # scalars of this prefix are 1 for the limit that stopped the level
 TRIGGER = (
     "trigger_sample"  # scalar: samples from a start of the drive's cycle to the record's first
 )
-LIMITS = "use_"  # scalars of this prefix are utilisations of a limit, 1 at the limit
-
 
 SignalOf = Callable[[str, str, int, int], Signal]
 """A function from run, channel, first sample and one past the last to the samples."""
@@ -182,10 +179,9 @@ class Reader:
                 *flag_names(int(bits)),
                 *scrutiny.flags(run.name),
                 *short,
-                *_limits(scalars),
-                *_stops(scalars),
+                *stated_flags(scalars),
             ),
-            use=_use(scalars),
+            use=use_of(scalars),
             ledger=ledger_means(self.truth, run, setting, window, stretches),
             coil=_coil(record, run, window, energy, samples, self.exciter),
             at_box=_at_box(setting, energy, self.exciter),
@@ -310,7 +306,7 @@ def read_session(
                     loop_backs.append(_loop_back(record, run))
                 elif setting.sweep_to is not None:
                     scalars = record.scalars(run.name)
-                    swept.append(sweep(record, run, _flags(run, scalars), _use(scalars)))
+                    swept.append(sweep(record, run, _flags(run, scalars), use_of(scalars)))
                 else:
                     known[run.name] = reader.energy(run)
             except AnalysisError as error:
@@ -345,7 +341,7 @@ def _flags(run: RunFacts, scalars: Mapping[str, float]) -> tuple[str, ...]:
     """
     if run.flags & BROKEN:
         raise AnalysisError(f"{run.name} has {', '.join(flag_names(run.flags & BROKEN))}")
-    return (*flag_names(run.flags & SETTLED), *_limits(scalars), *_stops(scalars))
+    return (*flag_names(run.flags & SETTLED), *stated_flags(scalars))
 
 
 def _loop_back(record: RecordedSession, run: RunFacts) -> LoopBack:
@@ -376,24 +372,3 @@ def _channel(record: RecordedSession, name: str) -> ChannelFacts:
             f"the record has no channel {name!r}; it has {', '.join(record.channels)}"
         )
     return record.channels[name]
-
-
-def _limits(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Return the limits of the exciter that the run exceeds, as flags: "over_force"."""
-    return tuple(f"over_{name}" for name, used in _use(scalars).items() if used > 1)
-
-
-def _stops(scalars: Mapping[str, float]) -> tuple[str, ...]:
-    """Return what kept the level from being reached, as flags, and "clipped" where the amplifier
-    clipped.
-    """
-    stopped = [f"{NOT_REACHED}_{name.removeprefix(STOPPED)}" for name, value in scalars.items()
-               if name.startswith(STOPPED) and value > 0]  # fmt: skip
-    return (*stopped, *(("clipped",) if scalars.get("clipped", 0.0) > 0 else ()))
-
-
-def _use(scalars: Mapping[str, float]) -> dict[str, float]:
-    """Return the utilisation of the exciter's limits (1: at the limit), by the limit's name."""
-    return {
-        name.removeprefix(LIMITS): used for name, used in scalars.items() if name.startswith(LIMITS)
-    }

@@ -15,6 +15,8 @@ from analysis.results.condition import Result
 from analysis.results.report import LeftOutRun
 from analysis.session.ledger_columns import CLOSURE
 from analysis.session.prediction import BEYOND
+from analysis.session.run_flags import NOT_REACHED
+from analysis.signals.examination import FOUND
 from analysis.signals.quality import SUSPECT
 from analysis.text import counted
 
@@ -25,7 +27,6 @@ CLOSES = {"prescribed": 1e-9, "shaker": 1e-6}
 contains the error of its time steps.
 """
 SHOWN = 5  # conditions named in a sentence
-NOT_REACHED = "level_not_reached"  # prefix; the limit that stopped the level follows: level_not_reached_voltage
 FAULTS = {
     "clipped",
     "sensor_clip",
@@ -195,7 +196,7 @@ def _faulted(flags: Sequence[str]) -> bool:
     """Return whether a run's flags say that it is not what was asked for."""
     # Flags of the analysis end in the channel's name: "gain_step_force".
     found = {flag.rpartition("_")[0] for flag in flags}
-    return bool(FAULTS & set(flags) or found & set(SUSPECT)) or any(
+    return bool(FAULTS & set(flags) or found & {*SUSPECT, *FOUND}) or any(
         flag.startswith(NOT_REACHED) for flag in flags
     )
 

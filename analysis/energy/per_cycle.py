@@ -94,8 +94,8 @@ def window_energy(
     """
     points = force.size // cycles
     step = 1 / (frequency * points)
-    force = _corrected(force, step, time_constants[0], 0.0)
-    acceleration = _corrected(acceleration, step, time_constants[1], delay)
+    force = _without_trend(_corrected(force, step, time_constants[0], 0.0), cycles)
+    acceleration = _without_trend(_corrected(acceleration, step, time_constants[1], delay), cycles)
     sums = cycle_sums(
         np.ascontiguousarray(force), np.ascontiguousarray(acceleration), acceleration.mean(), cycles
     )
@@ -178,6 +178,20 @@ def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:
     for time_constant in poles:
         signal = without_pole(signal, time_constant, step)
     return signal
+
+
+def _without_trend(signal: Array, cycles: int) -> Array:
+    """Return a window less the straight line through the means of its cycles.
+
+    A drift does no work, but within a cycle its slope s adds s times the integral of t v dt to the
+    loop. The means are those of whole cycles: harmonics of the drive do not enter the line.
+    """
+    if cycles < 2:
+        return signal
+    points = signal.size // cycles
+    middle = np.arange(cycles) - (cycles - 1) / 2
+    slope = float(signal.reshape(cycles, points).mean(axis=1) @ middle / (middle @ middle)) / points
+    return signal - slope * (np.arange(signal.size) - (signal.size - 1) / 2)
 
 
 def harmonics(signal: Array, cycles: int, points: int) -> Complex:

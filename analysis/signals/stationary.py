@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 
 from analysis.session.record import AnalysisError
 
-__all__ = ["FEWEST_CYCLES", "Steadiness", "drive_frequency", "fundamental", "steadiness"]
+__all__ = [
+    "FEWEST_CYCLES",
+    "DriveLine",
+    "Steadiness",
+    "drive_frequency",
+    "drive_line",
+    "fundamental",
+    "noise_rms",
+    "steadiness",
+]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +32,17 @@ NEAR = 0.45
 """Relative distance from a stated drive frequency within which its line is searched: it excludes
 harmonics and the half frequency.
 """
+
+LOWER_LINES = (5, 4, 3, 2)
+"""Divisors of the strongest line's frequency at which the drive's own line is looked for."""
+
+DRIVE, DOUBTFUL = 0.1, 0.02
+"""Amplitude of a line at a fraction of the strongest one's frequency, over the strongest: from the first on
+it is the drive, whose harmonic is stronger; from the second on it may be one, or a bed that repeats every
+second cycle.
+"""
+
+ABOVE_FLOOR = 8.0  # amplitude of a line over the median of its neighbours
 
 ROUNDS = 20  # most refinements of a frequency
 CONVERGED = 1e-12  # relative change of the frequency that ends the refinement
@@ -40,6 +60,56 @@ class Steadiness:
     level: float
     phase: float
     residual: float
+
+
+@dataclass(frozen=True, slots=True)
+class DriveLine:
+    """The drive frequency found in a record, Hz.
+
+    told : what was decided, where a harmonic is stronger than the drive
+    doubt : whether a weaker line at a fraction of it may be the drive
+    """
+
+    frequency: float
+    told: str = ""
+    doubt: bool = False
+
+
+def drive_line(signal: Array, rate: float, nominal: float | None = None) -> DriveLine:
+    """Return the drive of a record: the line near a nominal frequency (Hz), or without one the
+    strongest, unless it is a harmonic of a lower line. Raises AnalysisError where there is no sine.
+    """
+    strongest = drive_frequency(signal, rate, nominal)
+    if nominal is not None:
+        return DriveLine(strongest)
+    whole, _ = _amplitude(signal, rate, strongest)
+    for divisor in LOWER_LINES:
+        frequency = strongest / divisor
+        if frequency * signal.size < FEWEST_CYCLES * rate:
+            continue
+        amplitude, floor = _amplitude(signal, rate, frequency)
+        if amplitude < DOUBTFUL * whole or amplitude < ABOVE_FLOOR * floor:
+            continue
+        if amplitude < DRIVE * whole:
+            return DriveLine(strongest, doubt=True)
+        # The refinement by the stronger harmonic is the better one.
+        told = f"drive at {frequency:.6g} Hz, whose harmonic {divisor} is {whole / amplitude:.3g} times stronger"
+        return DriveLine(frequency, told)
+    return DriveLine(strongest)
+
+
+def _amplitude(signal: Array, rate: float, frequency: float) -> tuple[float, float]:
+    """Return the amplitude of a line, and the median of those 4 to 8 resolutions beside it."""
+    count = signal.size
+    window = np.hanning(count)
+    x = (signal - signal.mean()) * window
+    offsets = np.array([0.0, *range(-8, -3), *range(4, 9)])
+    times = np.arange(count) / rate
+    found = [
+        abs(x @ np.exp(-2j * np.pi * (frequency + offset * rate / count) * times)) * 2 / window.sum()
+        for offset in offsets
+    ]
+    return float(found[0]), float(np.median(found[1:]))
 
 
 def drive_frequency(signal: Array, rate: float, guess: float | None = None) -> float:

@@ -21,23 +21,32 @@ from rig.protocol.spec import Scene
 from rig.units import GRAVITY, Quantity
 
 SCHEMA = "rig/map/1"
-FORMATS = ("csv", "uff58", "sep005", "tdms", "mat", "hdf5")
+FORMATS = ("csv", "uff58", "sep005", "tdms", "mat", "hdf5", "wav")
 FORCE_UNITS: Mapping[str, float] = {
     "N": 1.0,
     "kN": 1e3,
     "mN": 1e-3,
     "lbf": 4.4482216152605,
+    "kgf": GRAVITY,
     "V": 1.0,
     "mV": 1e-3,
 }
 ACCELERATION_UNITS: Mapping[str, float] = {
     "m/s^2": 1.0,
     "mm/s^2": 1e-3,
+    "cm/s^2": 1e-2,
+    "in/s^2": 0.0254,
+    "ft/s^2": 0.3048,
     "g": GRAVITY,
+    "mg": 1e-3 * GRAVITY,
     "V": 1.0,
     "mV": 1e-3,
 }
-"""Size of each unit in N or m/s^2; volts need a sensitivity."""
+"""Size of each unit in N or m/s^2; volts need a sensitivity. Of each the first is taken where neither
+mapping nor file states one.
+"""
+
+TIME_UNITS: Mapping[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 VOLTS = ("V", "mV")
 ASSUMED_U = 0.01
@@ -58,10 +67,14 @@ Mass = Annotated[float, Quantity("mass", 0.0, 1e6)]
 class Column:
     """Fields that the columns of force and acceleration have in common. `sign`: -1 if the file
     counts the other direction as positive. `calibration_U`: relative expanded uncertainty of the
-    sensitivity, k = 2, null if not known. `delay`: s by which the channel lags."""
+    sensitivity, k = 2, null if not known. `delay`: s by which the channel lags. `scale`: size of 1 in
+    the file, in `unit`: whole numbers of a converter need it where the file states none. `overrule`:
+    the mapping goes before what the file states of the channel."""
 
     channel: str
     sign: Sign = 1
+    scale: Annotated[float | None, Quantity("number", 0.0, 1e12, above=True)] = None
+    overrule: bool = False
     calibration_U: Stated = None
     gain_tolerance: Share = 0.0
     time_constant: Pole = "none"
@@ -77,9 +90,10 @@ class Column:
 @dataclass(frozen=True)
 class ForceColumn(Column):
     """Column of the force. `sign`: -1 if the file has the force on the gauge's other side. `noise`:
-    N rms; null estimates it from the record. `range`: N. `sensitivity`: for a column in volts."""
+    N rms; null estimates it from the record. `range`: N. `sensitivity`: for a column in volts. `unit`:
+    null takes the file's, or newtons where it states none."""
 
-    unit: Annotated[str, one_of(*FORCE_UNITS)] = "N"
+    unit: Annotated[str | None, one_of(*FORCE_UNITS)] = None
     sensitivity: Annotated[float | None, Quantity("force sensitivity", 0.0, 1e6, above=True)] = None
     noise: Annotated[float | None, Quantity("force", 0.0, 1e9)] = None
     range: Annotated[float | None, Quantity("force", 0.0, 1e9, above=True)] = None
@@ -88,9 +102,10 @@ class ForceColumn(Column):
 @dataclass(frozen=True)
 class AccelerationColumn(Column):
     """Column of the acceleration. `noise`: m/s^2 rms; null estimates it from the record. `range`:
-    m/s^2. `sensitivity`: for a column in volts."""
+    m/s^2. `sensitivity`: for a column in volts. `unit`: null takes the file's, or m/s^2 where it
+    states none."""
 
-    unit: Annotated[str, one_of(*ACCELERATION_UNITS)] = "m/s^2"
+    unit: Annotated[str | None, one_of(*ACCELERATION_UNITS)] = None
     sensitivity: Annotated[
         float | None, Quantity("acceleration sensitivity", 0.0, 1e6, above=True)
     ] = None
@@ -100,21 +115,23 @@ class AccelerationColumn(Column):
 
 @dataclass(frozen=True)
 class TimeColumn:
-    """A column of sample times."""
+    """A column of sample times: numbers, times of day or time stamps. `unit`: null takes the file's,
+    or seconds where it states none.
+    """
 
     channel: str
-    unit: Annotated[str, one_of("s", "ms", "us")] = "s"
+    unit: Annotated[str | None, one_of(*TIME_UNITS)] = None
 
 
 @dataclass(frozen=True)
 class CsvText:
-    """Format of a text file: delimiter of its columns, decimal sign, and `skip`, the number of lines
-    before the header.
+    """Format of a text file: delimiter of its columns (a blank stands for any run of blanks), decimal
+    sign, and `skip`, the number of lines before the header. What is null is found in the file.
     """
 
-    delimiter: str = ","
-    decimal: str = "."
-    skip: Annotated[int, Quantity("number", 0, 1000000)] = 0
+    delimiter: str | None = None
+    decimal: str | None = None
+    skip: Annotated[int | None, Quantity("number", 0, 1000000)] = None
 
 
 @dataclass(frozen=True)
@@ -281,8 +298,11 @@ def _check_column(
 
 def _check_csv(csv: CsvText, node: Node, path: str, notes: Notes) -> CsvText:
     """Note delimiters and decimal signs that are not single, different characters."""
-    if {len(csv.delimiter), len(csv.decimal)} != {1} or csv.delimiter == csv.decimal:
+    stated = [sign for sign in (csv.delimiter, csv.decimal) if sign is not None]
+    if any(len(sign) != 1 for sign in stated) or csv.delimiter == csv.decimal is not None:
         notes.reject(node.where, path, "delimiter and decimal", "one character each, not the same")
+    elif csv.decimal not in (None, ".", ","):
+        notes.reject(node.where, f"{path}.decimal", repr(csv.decimal), "a point or a comma")
     return csv
 
 

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.session.record import AnalysisError
+from analysis.session.run_flags import DOUBT
+from analysis.signals.examination import clipped
 from analysis.signals.stationary import fundamental, noise_rms
 from daq.chain.block import Block, Flag
 from daq.chain.channel import ChannelInfo
@@ -45,7 +47,6 @@ FULL_SCALE = 2**30  # code of the largest value; the resolution is 9e-10 of it
 SAME_RATE = 1e-6  # relative, between the channels of a record and between records
 SAME_PHASE = 0.02  # cycles by which the runs of one condition may drift apart over a record
 ALL_FLAGS = sum(Flag)
-STUCK = 3  # equal extreme samples in a row: a clipped record
 
 
 def import_records(
@@ -80,7 +81,7 @@ def import_records(
     with Recorder.create(path, plan, overwrite) as recorder:
         ordered = [reading for group in groups.values() for reading in group]
         for run, reading in zip(plan.runs, ordered, strict=True):
-            _record(recorder, run.name, reading, loaded.mapping, plan.channels)
+            _record(recorder, run.name, reading, loaded.mapping, plan)
 
 
 def _wanted(files: Sequence[Path], loaded: LoadedMap) -> list[tuple[Path, RunFile]]:
@@ -131,13 +132,20 @@ def _plan(loaded: LoadedMap, groups: dict[str, list[Reading]]) -> SessionPlan:
                     "file": visible(r.source.name),
                     "sha256": r.digest,
                     "frequency": r.frequency,
+                    "taken_from_the_file": [visible(told) for told in r.told],
                     **asdict(r.steady),
                 }
                 for r in readings
             ],
         },
         synthetic=False,
+        scalars=_doubts(readings),
     )
+
+
+def _doubts(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Return the names of the scalars that hold what was found wrong in any of the records."""
+    return tuple(sorted({f"{DOUBT}{name}" for reading in readings for name in reading.doubts}))
 
 
 def _runs(groups: dict[str, list[Reading]], created: str) -> list[RunPlan]:
@@ -303,30 +311,33 @@ def _record(
     run: str,
     reading: Reading,
     mapping: RecordMap,
-    channels: Sequence[ChannelInfo],
+    plan: SessionPlan,
 ) -> None:
     """Write the blocks of a run, with the quality bits of clipped samples and of the sidecar."""
     values = [reading.force, reading.acceleration]
     codes = np.stack([
         np.rint(v * (channel.sensitivity / channel.scale)).astype(np.int32)
-        for v, channel in zip(values, channels, strict=True)
+        for v, channel in zip(values, plan.channels, strict=True)
     ])  # fmt: skip
-    clipped = np.stack(
+    at_rail = np.stack(
         [
-            _clipped(v, column.range)
+            clipped(v, column.range, reading.rate / reading.frequency)
             for v, (_, column) in zip(values, _columns(mapping), strict=True)
         ]
     )
     for start in range(0, codes.shape[1], BLOCK):
         part = slice(start, start + BLOCK)
-        high, low = (clipped[:, part] & (codes[:, part] * sign > 0) for sign in (1, -1))
+        high, low = (at_rail[:, part] & (codes[:, part] * sign > 0) for sign in (1, -1))
         flags = (Flag.OVERLOAD_HI * high.any(axis=1) + Flag.OVERLOAD_LO * low.any(axis=1)).astype(
             np.uint16
         )
-        count = clipped[:, part].sum(axis=1).astype(np.uint32)
+        count = at_rail[:, part].sum(axis=1).astype(np.uint32)
         flags |= _stated_flags(reading.sidecar, mapping, start, start + codes[:, part].shape[1])
         recorder.append(run, Block(start, codes[:, part], np.asarray(flags), count, False))
-    recorder.finish(run, {})
+    recorder.finish(
+        run,
+        {name: float(name.removeprefix(DOUBT) in reading.doubts) for name in plan.scalars},
+    )
 
 
 def _stated_flags(
@@ -344,19 +355,4 @@ def _stated_flags(
             overlaps = block.start < stop and start < block.start + block.count
             if overlaps and name is not None and name in block.flags:
                 found[number] |= np.uint16(block.flags[name] & ALL_FLAGS)
-    return found
-
-
-def _clipped(values: Array, limit: float | None) -> NDArray[np.bool_]:
-    """Return which samples are clipped: those at the range or, if that is not known, STUCK or more
-    equal extreme values in a row.
-    """
-    if limit is not None:
-        return np.asarray(np.abs(values) >= limit)
-    found = np.zeros(values.size, dtype=bool)
-    for extreme in (values.max(), values.min()):
-        at = values == extreme
-        runs = np.convolve(at, np.ones(STUCK, dtype=np.int64), "valid") == STUCK
-        for offset in range(STUCK):
-            found[offset : offset + runs.size] |= runs
     return found
