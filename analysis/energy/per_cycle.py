@@ -24,6 +24,11 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Poles = float | Sequence[float] | None  # s, time constants of a channel's high-pass poles
 
+DRIFTING = 16  # fewest cycles whose means show a drift
+SURE = 10.0
+"""Slope over its standard deviation that is a drift: cycles of a bed are not independent (as in
+analysis.signals.quality)."""
+
 PASS_BAND = 0.45
 """Fraction of the sampling rate up to which harmonics count: above it the anti-alias filter falls off."""
 
@@ -181,17 +186,23 @@ def _corrected(signal: Array, step: float, poles: Poles, delay: float) -> Array:
 
 
 def _without_trend(signal: Array, cycles: int) -> Array:
-    """Return a window less the straight line through the means of its cycles.
+    """Return a window less the straight line through the means of its cycles, where these drift by
+    more than their scatter explains; otherwise unchanged.
 
     A drift does no work, but within a cycle its slope s adds s times the integral of t v dt to the
     loop. The means are those of whole cycles: harmonics of the drive do not enter the line.
     """
-    if cycles < 2:
+    if cycles < DRIFTING:
         return signal
     points = signal.size // cycles
+    means = signal.reshape(cycles, points).mean(axis=1)
     middle = np.arange(cycles) - (cycles - 1) / 2
-    slope = float(signal.reshape(cycles, points).mean(axis=1) @ middle / (middle @ middle)) / points
-    return signal - slope * (np.arange(signal.size) - (signal.size - 1) / 2)
+    square = float(middle @ middle)
+    slope = float(means @ middle) / square
+    rest = means - means.mean() - slope * middle
+    if slope**2 * square <= SURE**2 * float(rest @ rest) / (cycles - 2):
+        return signal
+    return signal - slope / points * (np.arange(signal.size) - (signal.size - 1) / 2)
 
 
 def harmonics(signal: Array, cycles: int, points: int) -> Complex:

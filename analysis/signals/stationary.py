@@ -106,7 +106,9 @@ def _amplitude(signal: Array, rate: float, frequency: float) -> tuple[float, flo
     offsets = np.array([0.0, *range(-8, -3), *range(4, 9)])
     times = np.arange(count) / rate
     found = [
-        abs(x @ np.exp(-2j * np.pi * (frequency + offset * rate / count) * times)) * 2 / window.sum()
+        abs(x @ np.exp(-2j * np.pi * (frequency + offset * rate / count) * times))
+        * 2
+        / window.sum()
         for offset in offsets
     ]
     return float(found[0]), float(np.median(found[1:]))

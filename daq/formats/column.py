@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -91,9 +91,7 @@ def name_of(path: Path, names: Sequence[str], name: str, what: str = "column") -
         return name
     if name.isdecimal() and 1 <= int(name) <= len(names):
         return names[int(name) - 1]
-    raise FormatError(
-        f"{path} has no {what} {name!r}; it has {', '.join(names[:SHOWN]) or 'none'}"
-    )
+    raise FormatError(f"{path} has no {what} {name!r}; it has {', '.join(names[:SHOWN]) or 'none'}")
 
 
 def hertz(path: Path, what: str, value: Any) -> float:
@@ -154,7 +152,7 @@ def instant_of(path: Path, text: str) -> Instant:
     except ValueError as error:
         raise FormatError(f"{path}: the start {text!r:.60} is no time in ISO 8601") from error
     if moment.tzinfo is None:
-        moment = moment.replace(tzinfo=timezone.utc)
+        moment = moment.replace(tzinfo=UTC)
     day = moment.replace(microsecond=0)
     return Instant(int(day.timestamp()), moment.microsecond * 1e-6, text.strip())
 
@@ -176,13 +174,13 @@ def by_columns(
     """
     found = {}
     for name, array in arrays.items():
-        shape = np.atleast_1d(np.squeeze(array)).shape
+        shape: tuple[int, ...] = np.atleast_1d(np.squeeze(array)).shape
         whole = columns[name]
         if len(shape) == 1:
             found[name] = whole
         elif len(shape) == 2:
             table = whole.samples.reshape(shape)
-            upright = table if shape[0] >= shape[1] else table.T
+            upright = table if table.shape[0] >= table.shape[1] else table.T
             found |= {
                 f"{name}#{n + 1}": replace(whole, samples=np.ascontiguousarray(upright[:, n]))
                 for n in range(upright.shape[1])

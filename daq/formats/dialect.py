@@ -3,6 +3,7 @@ its lines unless it is stated.
 """
 
 import csv
+import io
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -10,26 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from daq.formats.wave import FormatError
+from daq.formats.words import UNIT_WORD, clean, is_clock, unit_in
 from daq.regular_files import open_regular
 
-__all__ = ["CsvStyle", "Layout", "clean", "is_clock", "layout_of", "lines_of", "split", "tail_of"]
+__all__ = ["CsvStyle", "Layout", "layout_of", "lines_of", "split", "tail_of"]
 
 HEADER_LINES = 200  # lines searched for the layout
 LONGEST_LINE = 2**20  # characters of a line
 TAIL = 2**14  # bytes read at the end of a file
 DELIMITERS = ("\t", ";", "|", ",", " ")  # tried in this order; " " is any run of blanks
-PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|inf(?:inity)?)", re.I)
-CLOCK = re.compile(r"(?:.*[\sT])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?\s*(?:[AaPp][Mm]|Z|[-+]\d{2}:?\d{2})?")
-GROUPED = r"[-+]?\d{1,3}(?:%s\d{3})+"
-BLANKS = " \u00a0\u202f'\u2019"  # signs between thousands beside comma and point
-UNIT = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>)\s*")
-SLASHED = re.compile(
-    r"(?P<name>.+?)\s*(?:/|,| in )\s*(?P<a>k?N|mN|lbf|m?g|[mun\u00b5\u03bc]?s|m?V|[cm]?m/s(?:\^?2|\u00b2|\*\*2))"
-)
-SUFFIXED = re.compile(r"(?P<name>t|time|timestamp|zeit)_(?P<a>s|ms|us|ns)", re.I)
-UNIT_WORD = re.compile(
-    r"-|k?N|mN|lbf|m?g|[mun\u00b5\u03bc]?s|m?V|[cm]?m/s(?:\^?2|\u00b2|\*\*2)|sec|Hz"
-)
 LABVIEW, END_OF_HEADER = "LabVIEW Measurement", "***End_of_Header***"
 
 
@@ -95,8 +85,6 @@ def encoding_of(path: Path) -> str:
 
 def lines_of(path: Path, encoding: str) -> Iterator[str]:
     """Yield the lines of a text file. FormatError for one that is too long."""
-    import io
-
     with io.TextIOWrapper(open_regular(path), encoding=encoding, errors="replace") as file:
         number = 0
         while line := file.readline(LONGEST_LINE + 1):
@@ -122,28 +110,6 @@ def split(line: str, delimiter: str, quoted: bool = False) -> list[str]:
         return [word.strip() for word in next(csv.reader([line], delimiter=delimiter), [])]
     words = line.split() if delimiter == " " else line.strip("\r\n").split(delimiter)
     return [word.strip() for word in words]
-
-
-def clean(word: str, decimal: str) -> str | None:
-    """Return a number as Python writes it, without its thousands' signs; None for no number."""
-    if decimal == ".":
-        if PLAIN.fullmatch(word):
-            return word
-        others = f"[{BLANKS},]"
-    else:
-        if "." not in word and PLAIN.fullmatch(word.replace(",", ".")):
-            return word.replace(",", ".")
-        others = f"[{BLANKS}.]"
-    whole, point, rest = word.partition(decimal)
-    if not re.fullmatch(GROUPED % others, whole):
-        return None
-    bare = re.sub(others, "", whole) + ("." if point else "") + rest
-    return bare if PLAIN.fullmatch(bare) else None
-
-
-def is_clock(word: str) -> bool:
-    """Return whether a word tells a time of day, with or without a date."""
-    return CLOCK.fullmatch(word) is not None
 
 
 def layout_of(path: Path, style: CsvStyle) -> Layout:
@@ -188,9 +154,7 @@ def layout_of(path: Path, style: CsvStyle) -> Layout:
     return _with_labview(found, labview, style.skip is not None)
 
 
-def _found(
-    path: Path, encoding: str, style: CsvStyle, body: Sequence[tuple[int, str]]
-) -> Layout:
+def _found(path: Path, encoding: str, style: CsvStyle, body: Sequence[tuple[int, str]]) -> Layout:
     """Return the layout of numbered lines that hold numbers, at least at their end."""
     tried: list[str] = []
     quoted = any('"' in line for _, line in body[-20:])
@@ -279,7 +243,9 @@ def _with_header(
     if begin >= len(rows):
         raise FormatError(f"{path} holds no numbers below its headers")
     heads = [
-        row[:width] for row in rows[:begin] if any(row) and len(row) >= width - 1 and _is_words(row, decimal)
+        row[:width]
+        for row in rows[:begin]
+        if any(row) and len(row) >= width - 1 and _is_words(row, decimal)
     ]
     several = [row for row in rows[:begin] if len([word for word in row if word]) > 1]
     if not heads and several and delimiter != " ":
@@ -315,15 +281,6 @@ def _is_units(row: Sequence[str]) -> bool:
     words = [word for word in row if word]
     bracketed = all(re.fullmatch(r"[\[(<{].*[\])>}]", word) for word in words)
     return bool(words) and (bracketed or all(UNIT_WORD.fullmatch(word) for word in words))
-
-
-def unit_in(header: str) -> str:
-    """Return the unit in a header: "force [N]", "Kraft / N", "time_ms"; "" for none."""
-    for form in (UNIT, SLASHED, SUFFIXED):
-        told = form.fullmatch(header)
-        if told:
-            return next((part.strip() for key, part in told.groupdict().items() if key != "name" and part), "")
-    return ""
 
 
 def _refuse_doubled(

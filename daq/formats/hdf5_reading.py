@@ -114,9 +114,7 @@ def _with_attributes(
     )
 
 
-def _scaled(
-    path: Path, place: str, column: FileColumn, told: Mapping[str, Any]
-) -> FileColumn:
+def _scaled(path: Path, place: str, column: FileColumn, told: Mapping[str, Any]) -> FileColumn:
     """Return a column by the scale that its attributes state.
 
     For floating numbers only `scale_factor` is sure to be one to be applied; another word leaves

@@ -96,7 +96,9 @@ def _column(path: Path, flat: Mapping[str, Any], name: str) -> FileColumn:
         return _column(path, flat, whole)
     value = numeric[whole]
     told = by_columns({whole: value}, {whole: numbers(path, whole, value)})
-    chosen = told[name_of(path, list(told), name, "column") if name in told or len(told) > 1 else whole]
+    chosen = told[
+        name_of(path, list(told), name, "column") if name in told or len(told) > 1 else whole
+    ]
     parent, _, last = whole.rpartition(".")
     unit = _text(flat.get(f"{parent}.{UNITS}.{last}" if parent else f"{UNITS}.{last}"))
     return FileColumn(

@@ -7,6 +7,7 @@ sizes are checked against the bytes it holds before anything is allocated.
 
 import json
 import math
+import warnings
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -16,14 +17,13 @@ from typing import Any
 import numpy as np
 
 from daq.documents.shapes import Keys, List, Text, deviations
-from daq.formats.column import RATE, FileColumn, instant_of, name_of, numbers, refuse_large
+from daq.formats.column import RATE, FileColumn, hertz, instant_of, name_of, numbers, refuse_large
 from daq.formats.dialect import CsvStyle
 from daq.formats.hdf5_reading import read_hdf5
 from daq.formats.matlab import read_mat
 from daq.formats.tdms import read_tdms
 from daq.formats.text import read_text
 from daq.formats.uff58_reading import read_uff58
-from daq.formats.wav import read_wav
 from daq.formats.wave import FormatError
 from daq.regular_files import kind_of_place, open_regular
 
@@ -49,7 +49,7 @@ def kind_of(path: Path) -> str | None:
 
 
 def read_columns(
-    path: Path, kind: str, wanted: Sequence[str], style: CsvStyle = CsvStyle()
+    path: Path, kind: str, wanted: Sequence[str], style: CsvStyle | None = None
 ) -> dict[str, FileColumn]:
     """Return the wanted columns of a file by name: headers, variables or paths, or positions from
     1.
@@ -63,13 +63,13 @@ def read_columns(
             f"{path} is {kind_there}, no file" if kind_there else f"there is no file {path}"
         )
     readers: Mapping[str, Callable[[], dict[str, FileColumn]]] = {
-        "csv": lambda: read_text(path, wanted, style),
+        "csv": lambda: read_text(path, wanted, style or CsvStyle()),
         "uff58": lambda: read_uff58(path, wanted),
         "sep005": lambda: _sep005(path, wanted),
         "tdms": lambda: read_tdms(path, wanted),
         "mat": lambda: read_mat(path, wanted),
         "hdf5": lambda: read_hdf5(path, wanted),
-        "wav": lambda: read_wav(path, wanted),
+        "wav": lambda: _wav(path, wanted),
     }
     try:
         return readers[kind]()
@@ -131,6 +131,31 @@ def _sep005_column(path: Path, arrays: Any, entry: Mapping[str, Any], n: int) ->
         start=instant_of(path, start) if start else None,
         times=times,
     )
+
+
+def _wav(path: Path, wanted: Sequence[str]) -> dict[str, FileColumn]:
+    """Read channels of a WAV file by their position from 1; it states a rate and no unit, and its whole
+    numbers are codes.
+    """
+    from scipy.io import wavfile
+
+    reader: Any = wavfile
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # about chunks of other programs
+        rate, table = reader.read(path)
+    table = np.atleast_2d(table.T).T
+    names = [str(n + 1) for n in range(table.shape[1])]
+    found = {}
+    for name in wanted:
+        n = names.index(name_of(path, names, name, "channel"))
+        own = numbers(path, f"channel {name}", table[:, n])
+        found[name] = FileColumn(
+            own.samples,
+            rate=hertz(path, "the rate", rate),
+            codes=own.codes,
+            resolution=own.resolution,
+        )
+    return found
 
 
 def _check_archive(path: Path) -> None:

@@ -12,18 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.formats.column import FileColumn, Instant, hertz, name_of
-from daq.formats.dialect import (
-    UNIT,
-    CsvStyle,
-    Layout,
-    clean,
-    is_clock,
-    layout_of,
-    lines_of,
-    split,
-    tail_of,
-)
+from daq.formats.dialect import CsvStyle, Layout, layout_of, lines_of, split, tail_of
 from daq.formats.wave import FormatError
+from daq.formats.words import clean, is_clock, stem_of
 
 __all__ = ["read_text"]
 
@@ -46,27 +37,22 @@ def read_text(path: Path, wanted: Sequence[str], style: CsvStyle) -> dict[str, F
     if path.stat().st_size > LARGEST_TEXT:
         raise FormatError(f"{path} is larger than 2 GiB: cut it into records")
     layout = layout_of(path, style)
-    names = _names(layout)
+    names = list(layout.names)
     at = {name: _place(path, layout, names, name) for name in wanted}
     beside = _time_beside(layout, set(at.values()))
     places = sorted({*at.values(), *([] if beside is None else [beside])})
     found = _columns(path, layout, places)
-    columns = {n: _with_facts(path, layout, n, found[n], n == beside) for n in places}
+    columns = {n: _with_facts(path, layout, n, found[n]) for n in places}
     times = None if beside is None else columns[beside]
     return {
         name: replace(columns[n], times=None if n == beside else times) for name, n in at.items()
     }
 
 
-def _names(layout: Layout) -> list[str]:
-    """Return the columns' names; numbers where there is no header."""
-    return list(layout.names)
-
-
 def _place(path: Path, layout: Layout, names: Sequence[str], name: str) -> int:
     """Return the column of a name, with or without its unit, or of a position from 1."""
     if name not in names:
-        stems = [_stem(header) for header in names]
+        stems = [stem_of(header) for header in names]
         if stems.count(name) == 1:
             return stems.index(name)
         if name.isdecimal() and 1 <= int(name) <= layout.width:
@@ -74,22 +60,16 @@ def _place(path: Path, layout: Layout, names: Sequence[str], name: str) -> int:
     return names.index(name_of(path, names, name))
 
 
-def _stem(header: str) -> str:
-    """Return a header without the unit in it."""
-    told = UNIT.fullmatch(header)
-    return told.group("name").strip() if told else header
-
-
 def _time_beside(layout: Layout, asked: set[int]) -> int | None:
     """Return a column whose header says time and that nobody asked for, None for none."""
-    if any(TIME.fullmatch(_stem(layout.names[n])) for n in asked):
+    if any(TIME.fullmatch(stem_of(layout.names[n])) for n in asked):
         return None
     for n, header in enumerate(layout.names):
         words = [row[n] for row in layout.rows if len(row) > n]
         filled = bool(words) and all(
             clean(word, layout.decimal) is not None or is_clock(word) for word in words
         )
-        if n not in asked and filled and TIME.fullmatch(_stem(header)):
+        if n not in asked and filled and TIME.fullmatch(stem_of(header)):
             return n
     return None
 
@@ -149,9 +129,7 @@ def _checked(path: Path, layout: Layout) -> Iterator[str]:
         yield line
 
 
-def _words(
-    path: Path, layout: Layout, places: Sequence[int]
-) -> dict[int, list[tuple[int, str]]]:
+def _words(path: Path, layout: Layout, places: Sequence[int]) -> dict[int, list[tuple[int, str]]]:
     """Return the words of some columns with their lines."""
     found: dict[int, list[tuple[int, str]]] = {n: [] for n in places}
     empty, quoted = 0, layout.quoted and layout.delimiter != " "
@@ -199,7 +177,7 @@ def _number(
 
 
 def _with_facts(
-    path: Path, layout: Layout, n: int, values: npt.NDArray[np.float64] | list[str], time: bool
+    path: Path, layout: Layout, n: int, values: npt.NDArray[np.float64] | list[str]
 ) -> FileColumn:
     """Return a column with its unit and with what a header tells of its time scale."""
     if isinstance(values, list):
@@ -212,14 +190,20 @@ def _with_facts(
         unit=layout.units[n],
         unit_at=layout.units_at,
         skipped_unit=layout.skipped[n] if layout.skipped else "",
+        codes=not layout.units[n] and _whole(layout, n),
         start=None if math.isnan(start) else Instant(0, start, f"X0 {start:g} s"),
-        resolution=_resolution(path, layout, n, values),
+        resolution=_resolution(path, layout, n),
     )
 
 
-def _resolution(
-    path: Path, layout: Layout, n: int, values: npt.NDArray[np.float64]
-) -> float:
+def _whole(layout: Layout, n: int) -> bool:
+    """Return whether all numbers of a column are written as whole ones, some of them large."""
+    words = [row[n] for row in layout.rows if len(row) > n]
+    whole = all(re.fullmatch(r"[-+]?\d+", word) for word in words)
+    return whole and any(len(word.strip("+-")) > 2 for word in words)
+
+
+def _resolution(path: Path, layout: Layout, n: int) -> float:
     """Return the largest rounding of a column's numbers by their digits, from the last lines, where
     times have the fewest.
     """

@@ -8,6 +8,7 @@ state their size, so that a mark of the end inside the numbers misleads nobody.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 
@@ -116,7 +117,9 @@ def _chosen(path: Path, sets: Sequence[_Set], name: str) -> _Set:
         return sets[places.index(name_of(path, places, name, "set"))]
     if name.isdecimal() and 1 <= int(name) <= len(sets):
         return sets[int(name) - 1]
-    names = [f"{n} ({one}, {place})" for n, (one, place) in enumerate(zip(ids, places, strict=True), 1)]
+    names = [
+        f"{n} ({one}, {place})" for n, (one, place) in enumerate(zip(ids, places, strict=True), 1)
+    ]
     raise FormatError(f"{path} has no record {name!r}; it has {', '.join(names[:20])}")
 
 
@@ -205,13 +208,15 @@ def _column(path: Path, file: BinaryIO, one: _Set) -> FileColumn:
     """Return the numbers of a set with all that it states."""
     kind, is_complex = ORDINATES.get(one.ordinate, ("", False))
     if not kind or is_complex:
-        what = "complex numbers (a spectrum?)" if is_complex else f"ordinates of type {one.ordinate}"
+        what = (
+            "complex numbers (a spectrum?)" if is_complex else f"ordinates of type {one.ordinate}"
+        )
         raise FormatError(f"{path}: the set {one.ids[0]!r} holds {what}; a record has real ones")
     if one.count < 2:
         raise FormatError(f"{path}: the set {one.ids[0]!r} says {one.count} values")
     table = _binary(path, file, one, kind) if one.binary else _ascii(path, file, one)
     values = np.ascontiguousarray(table[:, -1], dtype=np.float64)
-    column = _with_unit(path, one, FileColumn(values))
+    column = _with_unit(one, FileColumn(values))
     if not one.even:
         times = np.ascontiguousarray(table[:, 0], dtype=np.float64)
         coarse = 3e-7 if kind == "f4" or not one.binary else 1.2e-16
@@ -245,7 +250,7 @@ def _label(label: str) -> str:
     return "" if label.upper() in NO_UNIT else label
 
 
-def _with_unit(path: Path, one: _Set, column: FileColumn) -> FileColumn:
+def _with_unit(one: _Set, column: FileColumn) -> FileColumn:
     """Return the column in the unit of its label, or in SI by the set 164 before it."""
     where = f"axis label of the set {one.ids[0]!r}"
     label = _label(one.unit[1])
@@ -271,7 +276,9 @@ def _binary(path: Path, file: BinaryIO, one: _Set, kind: str) -> npt.NDArray[np.
     item = int(kind[1])
     # The abscissa is single where the format's text is followed, and as wide as the ordinate
     # where the common programs write it: the stated size tells.
-    forms = [[("y", kind)]] if one.even else [[("x", kind), ("y", kind)], [("x", "f4"), ("y", kind)]]
+    forms = (
+        [[("y", kind)]] if one.even else [[("x", kind), ("y", kind)], [("x", "f4"), ("y", kind)]]
+    )
     for form in forms:
         dtype = np.dtype([(name, one.binary + sort) for name, sort in form])
         if one.count * dtype.itemsize <= one.size < one.count * dtype.itemsize + max(item, 8) * 8:
@@ -291,7 +298,9 @@ def _ascii(path: Path, file: BinaryIO, one: _Set) -> npt.NDArray[np.float64]:
     """
     file.seek(one.data)
     wide = 20 if one.ordinate == 4 else 13
-    widths = [wide] * (4 if wide == 20 else 6) if one.even else [13, wide] * (3 if wide == 13 else 2)
+    widths = (
+        [wide] * (4 if wide == 20 else 6) if one.even else [13, wide] * (3 if wide == 13 else 2)
+    )
     wanted = one.count * (1 if one.even else 2)
     found: list[npt.NDArray[np.float64]] = []
     total = 0
@@ -315,7 +324,7 @@ def _fields(path: Path, line: str, widths: Sequence[int]) -> npt.NDArray[np.floa
         return np.array(words, dtype=np.float64)
     except ValueError:
         edges = np.cumsum([0, *widths])
-        cut = [line[a:b].strip() for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        cut = [line[a:b].strip() for a, b in pairwise(edges)]
         try:
             return np.array([word.replace("D", "E") for word in cut if word], dtype=np.float64)
         except ValueError as error:

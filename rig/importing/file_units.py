@@ -19,7 +19,21 @@ from rig.importing.mapping import (
 
 __all__ = ["UnitFound", "channel_unit", "time_unit", "unit_in_words"]
 
-NOTHING = {"", "-", "--", "none", "eu", "n/a", "na", "unknown", "?", "1", "a.u.", "no unit", "none units"}
+NOTHING = {
+    "",
+    "-",
+    "--",
+    "none",
+    "eu",
+    "n/a",
+    "na",
+    "unknown",
+    "?",
+    "1",
+    "a.u.",
+    "no unit",
+    "none units",
+}
 """Words for no statement at all."""
 
 WORDS: Mapping[str, str] = {
@@ -102,7 +116,9 @@ def _unit(
     if told is None:
         if stated is not None:
             return UnitFound(stated)
-        raise FormatError(f"{where}, no unit that is known: write `{name}: {{unit: ...}}` ({allowed})")
+        raise FormatError(
+            f"{where}, no unit that is known: write `{name}: {{unit: ...}}` ({allowed})"
+        )
     if told not in units:
         raise FormatError(
             f"{where}, which is no unit of {name}: choose another channel, or write `{name}: {{unit: ..., overrule: true}}` "

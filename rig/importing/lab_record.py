@@ -81,14 +81,14 @@ def read_record(file: Path, run: RunFile, mapping: RecordMap) -> Reading:
             f"{file}: no format by that name; write `format:` ({', '.join(FORMATS)}) in the mapping"
         )
     columns = _columns(file, kind, mapping)
-    channels = {"force": columns[mapping.force.channel],
+    channels: Mapping[str, FileColumn] = {"force": columns[mapping.force.channel],
                 "acceleration": columns[mapping.acceleration.channel]}  # fmt: skip
     time = columns[mapping.time.channel] if mapping.time else None
     with open_regular(file) as content:
         digest = hashlib.file_digest(content, "sha256").hexdigest()
     sidecar = sidecar_for(file, digest, mapping)
     sizes(file, channels)
-    scale = time_scale(file, mapping, channels, time, sidecar and sidecar.rate)
+    scale = time_scale(file, mapping, channels, time, None if sidecar is None else sidecar.rate)
     rate = scale.rate
     if scale.times is not None:
         channels = {
@@ -165,9 +165,7 @@ def _columns(file: Path, kind: str, mapping: RecordMap) -> Mapping[str, FileColu
     return columns
 
 
-def _plausible(
-    file: Path, mapping: RecordMap, time: FileColumn | None, frequency: float
-) -> None:
+def _plausible(file: Path, mapping: RecordMap, time: FileColumn | None, frequency: float) -> None:
     """Raise FormatError where a time column whose unit nobody states makes a drive that no stand
     has.
     """

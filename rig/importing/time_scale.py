@@ -5,6 +5,7 @@ states it twice must agree.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,10 +97,11 @@ def evened(samples: Array, times: Array) -> Array:
 
     A cubic spline: its error for n samples a cycle is (2 pi / n)^4 / 384 of a sine, 1e-9 at 257.
     """
-    from scipy.interpolate import CubicSpline
+    from scipy import interpolate
 
+    library: Any = interpolate
     even = np.linspace(float(times[0]), float(times[-1]), times.size)
-    return np.asarray(CubicSpline(times, samples)(even))
+    return np.asarray(library.CubicSpline(times, samples)(even))
 
 
 def time_scale(
@@ -143,7 +145,9 @@ def time_scale(
         own = stated.get(f"the times of {name}")
         if own is not None and SAME < abs(channel.rate / own[0] - 1) < NOMINAL:
             doubts.append(f"rate_{name}")
-            told.append(f"{name}: {channel.rate:g} Hz stated, {own[0]:.6g} Hz by its times, which are taken")
+            told.append(
+                f"{name}: {channel.rate:g} Hz stated, {own[0]:.6g} Hz by its times, which are taken"
+            )
         else:
             stated[f"the file's rate of {name}"] = (channel.rate, 0.0)
     if not stated:
@@ -169,9 +173,7 @@ def _compare(file: Path, stated: Mapping[str, tuple[float, float]]) -> None:
             )
 
 
-def _abscissa(
-    file: Path, name: str, times: FileColumn, mapping: RecordMap
-) -> EvenScale | None:
+def _abscissa(file: Path, name: str, times: FileColumn, mapping: RecordMap) -> EvenScale | None:
     """Return the scale of times that stand beside a channel; None where they say nothing: no unit,
     and a rate is stated that they fit in some unit, or they are a count of samples.
     """
@@ -186,9 +188,7 @@ def _abscissa(
             return None
         rate = (times.samples.size - 1) / length
         fits = [
-            size
-            for size in TIME_UNITS.values()
-            if abs(rate / size / mapping.rate - 1) < NOMINAL
+            size for size in TIME_UNITS.values() if abs(rate / size / mapping.rate - 1) < NOMINAL
         ]
         if not fits:
             raise FormatError(
@@ -200,7 +200,9 @@ def _abscissa(
         return even_scale(file, what, times.samples * fits[0], times.resolution * fits[0])
     found = time_unit(file, TimeColumn(name), times)
     size = TIME_UNITS[found.unit]
-    if mapping.rate is not None and 2 * times.resolution > COARSE * abs(float(np.ptp(times.samples))):
+    if mapping.rate is not None and 2 * times.resolution > COARSE * abs(
+        float(np.ptp(times.samples))
+    ):
         return None
     return even_scale(file, what, times.samples * size, times.resolution * size)
 
@@ -261,12 +263,12 @@ def sizes(file: Path, channels: Mapping[str, FileColumn]) -> None:
     counts = {name: channel.samples.size for name, channel in channels.items()}
     rates = [channel.rate for channel in channels.values() if channel.rate is not None]
     if rates and max(rates) > min(rates) * (1 + SAME):
-        said = ", ".join(f"{name} {channel.rate:g} Hz" for name, channel in channels.items() if channel.rate)
+        said = ", ".join(
+            f"{name} {channel.rate:g} Hz" for name, channel in channels.items() if channel.rate
+        )
         raise FormatError(
             f"{file}: the channels have different rates ({said}): they must be sampled together"
         )
     if len(set(counts.values())) > 1:
         found = " and ".join(f"{count} samples of {name}" for name, count in counts.items())
         raise FormatError(f"{file}: {found}: they must be sampled together")
-
-

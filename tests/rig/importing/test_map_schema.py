@@ -53,7 +53,7 @@ REFUSED = [
     LEAST + "runs: {file: b.csv}\n",
     LEAST + "condition: {bed: sand}\n",
     LEAST + "scene: {bed: sand}\n",
-    LEAST + "format: wav\n",
+    LEAST + "format: xls\n",
 ]
 
 
