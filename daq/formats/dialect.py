@@ -176,6 +176,10 @@ def _found(path: Path, encoding: str, style: CsvStyle, body: Sequence[tuple[int,
             tried.append(delimiter)
             continue
         if len(fitting) > 1 and _differ(sample, width):
+            # One word such as 0,123 among all the lines decides: no thousands begin with 0.
+            every = [split(line, delimiter, quoted and delimiter != " ") for _, line in body]
+            fitting = [sign for sign in fitting if _reads(every, width, sign)] or fitting
+        if len(fitting) > 1 and _differ(sample, width):
             word = next(w for row in sample for w in row if clean(w, ".") != clean(w, ","))
             raise FormatError(
                 f"{path}: {word!r} may be thousands or a decimal: write `csv: {{decimal: ...}}` in the mapping"
