@@ -8,7 +8,7 @@ PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|inf
 CLOCK = re.compile(
     r"(?:.*[\sT])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?\s*(?:[AaPp][Mm]|Z|[-+]\d{2}:?\d{2})?"
 )
-GROUPED = r"[-+]?\d{1,3}(?:%s\d{3})+"
+GROUPED = r"[-+]?[1-9]\d{0,2}(?:%s\d{3})+"
 BLANKS = " \u00a0\u202f'\u2019"  # signs between thousands beside comma and point
 UNIT = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>)\s*")
 SLASHED = re.compile(
