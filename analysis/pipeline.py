@@ -34,6 +34,7 @@ from analysis.session.record import (
 )
 from analysis.session.run_flags import stated_flags, use_of
 from analysis.session.setting import LOOP_BACK, Setting
+from analysis.shared_work import ForEach, here
 from analysis.signals.cycles import Window, clear_of, on_grid, whole_cycles
 from analysis.signals.quality import Scrutiny
 from analysis.uncertainty.budget import noise_of
@@ -290,11 +291,13 @@ def read_session(
     record: RecordedSession,
     energies: Mapping[str, RunEnergy] | None = None,
     tolerate_gaps: bool = False,
+    each: ForEach = here,
 ) -> Report:
     """Return the report of a session from its record alone.
 
     energies: results of run_energy by run name, where they exist already. tolerate_gaps: see
-    run_energy. Runs that cannot be used are listed under `left_out` with the reason.
+    run_energy. each: evaluates the conditions, here or in several processes. Runs that cannot be
+    used are listed under `left_out` with the reason.
     """
     known, loop_backs, swept, left_out = dict(energies or {}), [], [], []
     reader = Reader(record, tolerate_gaps)
@@ -331,6 +334,7 @@ def read_session(
         resolved=_resolved(protocol, rig),
         loop_backs=loop_backs,
         sweeps=swept,
+        each=each,
     )
 
 

@@ -15,13 +15,23 @@ from daq.child_processes import killed_at_the_end
 if TYPE_CHECKING:
     from daq.session.record import Record
 
-__all__ = ["energies_by_processes"]
+__all__ = ["energies_by_processes", "useful"]
 
 MANY = 400
 """Number of runs from which on processes pay for their start."""
 
 BATCH = 32
 """Number of runs whose energies are sent in one message."""
+
+
+def useful(record: "Record", count: int) -> int:
+    """Return how many processes, up to `count`, shorten the reading of a session.
+
+    1 for a session of few runs, for one that is being written, and without fork (Windows, macOS).
+    """
+    if record.live or sys.platform != "linux":
+        return 1
+    return max(1, min(count, sum(run.complete for run in record.runs) // (MANY // 2)))
 
 
 def energies_by_processes(
@@ -31,12 +41,11 @@ def energies_by_processes(
 
     They are meant for `read_session`. Missing are runs that cannot be used, and runs whose process
     ended early, as by a crash of the HDF5 library: `read_session` reads both again, and reports the
-    fault. Empty for a session of few runs, for one that is being written, and without fork
-    (Windows, macOS).
+    fault. Empty where one process is enough (`useful`).
     """
     names = [run.name for run in record.runs if run.complete]
-    count = min(count, len(names) // (MANY // 2))
-    if count < 2 or record.live or sys.platform != "linux":
+    count = useful(record, count)
+    if count < 2:
         return {}
     # The first run loads the compiled loops once, for all processes that are forked.
     found = energies_of(record, names[:1], tolerate_gaps)

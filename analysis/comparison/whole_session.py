@@ -11,7 +11,7 @@ from analysis.comparison.claims import judge
 from analysis.comparison.family_of_tests import CHAIN_SHARE, chain_tests, critical_score, sign_tests
 from analysis.comparison.loop_back import LoopBack, loop_back_nulls
 from analysis.comparison.null_tests import null_tests
-from analysis.comparison.offset_terms import Actual, allowed_remainder, offset_terms
+from analysis.comparison.offset_terms import Actual, allowed_remainder
 from analysis.comparison.pooled_results import (
     agreement_row,
     comparisons,
@@ -21,12 +21,13 @@ from analysis.comparison.pooled_results import (
     propagated,
 )
 from analysis.comparison.references import references, signs
-from analysis.comparison.refills import refill_columns
 from analysis.comparison.verdict import verdict
 from analysis.energy.sweep_curve import SweepCurve
-from analysis.results.condition import Result, box_distortion, evaluate
-from analysis.results.condition_row import ConditionRow, OffsetTerms, RunRow, SourceRow
+from analysis.evaluations import Evaluated, evaluated
+from analysis.results.condition import Result, box_distortion
+from analysis.results.condition_row import ConditionRow, RunRow, SourceRow
 from analysis.results.deliberate_errors import deliberate
+from analysis.results.judged_rows import ClaimRow
 from analysis.results.mean_cycle import waveforms
 from analysis.results.recorded_waveform import Recorded
 from analysis.results.report import (
@@ -40,12 +41,14 @@ from analysis.results.report import (
     Resolved,
 )
 from analysis.results.run import RunEnergy
+from analysis.results.session_rows import CauseRow
 from analysis.session.fidelity import Fidelity
 from analysis.session.ledger_columns import CLOSURE
 from analysis.session.prediction_entry import VARIANTS, entries_of
 from analysis.session.protocol import ExpectedClaim, RigValue
 from analysis.session.record import ChannelFacts
 from analysis.session.setting import Setting
+from analysis.shared_work import ForEach, both, here
 from analysis.uncertainty.budget_line import Line
 from analysis.uncertainty.estimate import Estimate
 from daq.documents.classes import finite
@@ -70,6 +73,7 @@ def agreement(
     resolved: Resolved | None = None,
     loop_backs: Sequence[LoopBack] = (),
     sweeps: Sequence[SweepCurve] = (),
+    each: ForEach = here,
 ) -> Report:
     """Return the report of a session.
 
@@ -81,7 +85,8 @@ def agreement(
     actual: the true states of the instruments, for the terms of the offset (simulated sessions
     only). fidelity: resolution and length of each condition's simulation, where a tolerance chose
     them. resolved: protocol and rig file written out. loop_backs: results of the runs with one
-    voltage at both inputs. sweeps: of the runs that sweep, which state no energy.
+    voltage at both inputs. sweeps: of the runs that sweep, which state no energy. each: evaluates
+    the conditions, here or in several processes.
 
     Numbers in SI, energies in J per cycle; None for unknown values, and for degrees of freedom
     without bound.
@@ -91,32 +96,32 @@ def agreement(
     for run in runs:
         grouped[run.condition].append(run)
     entries = entries_of(prediction)
-    results = [
-        evaluate(setting, grouped[name], entries.get(name), channels)
-        for name, setting in settings.items()
-        if grouped[name]
-    ]
+    seen = [setting for name, setting in settings.items() if grouped[name]]
+    found = evaluated(seen, grouped, entries, channels, actual, each)
+    results = [one.result for one in found]
     empties = {_level(r.setting): r for r in results if r.setting.is_empty}
     nulls = null_tests(settings, grouped, channels) + loop_back_nulls(loop_backs, channels)
     closure = _closure(results)
     known = references(results, channels)
     tests = [test for null in nulls for test in null.tested]
     tests += [test for reference in known for test in reference.tested]
-    limit = critical_score([*tests, *sign_tests(results)], chain_tests(results))
+
+    # None of these needs the critical score, whose joint draws take as long.
+    def alone() -> tuple[tuple[ConditionRow, ...], tuple[CauseRow, ...], tuple[ClaimRow, ...]]:
+        by_id = {result.setting.id: result for result in results}
+        rows = tuple(_row(one, empties.get(_level(one.result.setting))) for one in found)
+        return rows, causes(results, channels, assumed), judge(expect, by_id)
+
+    def bound() -> float:
+        return critical_score([*tests, *sign_tests(results)], chain_tests(results))
+
+    (rows, candidates, claims), limit = both(each, alone, bound)
     nulls = tuple(null.judged(limit) for null in nulls)
     known = tuple(reference.judged(limit) for reference in known)
     known = (signs(results, limit), *known) if results else ()
     judged = verdict(results, nulls, known, closure, left_out, sweeps, limit)
     used = [r.setting for r in results] + [settings[one.condition] for one in sweeps]
     ideal = synthetic and all(setting.drive == "prescribed" for setting in used)
-    rows = tuple(
-        _row(
-            result,
-            empties.get(_level(result.setting)),
-            offset_terms(result, entries.get(result.setting.id), channels, actual),
-        )
-        for result in results
-    )
     report = Report(
         schema=SCHEMA,
         protocol=protocol,
@@ -131,8 +136,8 @@ def agreement(
         conditions=rows,
         agreement=agreement_row(results),
         comparisons=comparisons(results),
-        causes=causes(results, channels, assumed),
-        claims=judge(expect, {result.setting.id: result for result in results}),
+        causes=candidates,
+        claims=claims,
         nulls=tuple(null.row() for null in nulls),
         references=tuple(reference.row() for reference in known),
         ledger=LedgerCheck(closure),
@@ -160,8 +165,9 @@ def _level(setting: Setting) -> tuple[Any, ...]:
     return setting.drive, setting.frequency, setting.acceleration_set, *setting.places
 
 
-def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> ConditionRow:
+def _row(found: Evaluated, empty: Result | None) -> ConditionRow:
     """Return a condition's entry in the report; empty: the empty box at its level."""
+    result, refills = found.result, found.refills
     setting, exp, got = result.setting, result.W_exp, result.predicted
     W = [run.energy.W for run in result.runs]
     n = len(W)
@@ -171,12 +177,7 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
     stated = result.W_T is not None and result.comparable
     offset = _offset(result, exp.value, result.W_T) if stated else None
     difference = result.difference if stated else None
-    model, refills, recorded, at_box = (
-        model_columns(result),
-        refill_columns(result),
-        _recorded(result),
-        _at_box(result),
-    )
+    model, recorded, at_box = model_columns(result), _recorded(result), _at_box(result)
     printed, layers, column = (result.others.get(name) for name in VARIANTS)
     low, high = result.band or (model.W_T_low, model.W_T_high)
     return ConditionRow(
@@ -254,7 +255,7 @@ def _row(result: Result, empty: Result | None, terms: OffsetTerms | None) -> Con
             _budget_row(line, line.c, line.part, exp.u) for line in result.lines if line.c
         ),
         uncertainty_W_T=_budget_of_W_T(result),
-        offset_terms=terms,
+        offset_terms=found.terms,
         allowed_remainder=allowed_remainder(result),
         varied=setting.varied,
     )

@@ -6,15 +6,23 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from analysis.shared_work import ForEach, both, here
+
 if TYPE_CHECKING:
     from analysis.report.figures.drawing import Plot
     from analysis.results.report import Report
 
 __all__ = ["read_report", "write_report"]
 
+Files = dict[str, str | bytes]  # contents by name
+
 
 def write_report(
-    report: "Report", out_dir: Path | str, figures: bool = True, png: bool = False
+    report: "Report",
+    out_dir: Path | str,
+    figures: bool = True,
+    png: bool = False,
+    each: ForEach = here,
 ) -> tuple[Path, ...]:
     """Write report.csv, report.md, report.html and report.json into out_dir (made where missing);
     return the paths.
@@ -22,7 +30,8 @@ def write_report(
     Every file is either complete or the old one; report.json is replaced last.
 
     figures: draw them too (inside the page, and as SVG files under figures/); png: as PNG files as
-    well. Equal reports give equal bytes: they contain no date, path or machine.
+    well. each: makes the texts, here or in several processes. Equal reports give equal bytes: they
+    contain no date, path or machine.
     """
     from analysis.report.csv import csv_text
     from analysis.report.html import html_text
@@ -31,17 +40,22 @@ def write_report(
     from daq.json_text import json_text
     from daq.whole_files import write_folder
 
-    parts = sections(report, figures)
-    plots = [plot for part in parts for plot in part.plots]
-    files: dict[str, str | bytes] = {
-        "report.csv": csv_text(report),
-        "report.md": markdown_text(report, parts),
-        "report.html": html_text(report, parts),
-        **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
-        **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
-        "report.json": json_text(report.document()) + "\n",
-    }
-    return write_folder(Path(out_dir), files)
+    def document() -> Files:
+        return {"report.json": json_text(report.document()) + "\n"}
+
+    def to_read() -> Files:
+        parts = sections(report, figures)
+        plots = [plot for part in parts for plot in part.plots]
+        return {
+            "report.csv": csv_text(report),
+            "report.md": markdown_text(report, parts),
+            "report.html": html_text(report, parts),
+            **{f"figures/{plot.name}.svg": plot.svg for plot in plots},
+            **({f"figures/{plot.name}.png": _png(plot) for plot in plots} if png else {}),
+        }
+
+    first, last = both(each, to_read, document)
+    return write_folder(Path(out_dir), first | last)
 
 
 def read_report(path: Path | str) -> "Report":

@@ -1,5 +1,5 @@
-"""Compiled loops over samples: one pass each instead of ten array operations, and no temporary
-arrays.
+"""Compiled loops over samples and over simulated sessions: one pass each instead of ten array
+operations, and no temporary arrays.
 
 Sums run in the order of the samples, without reassociation: equal samples give equal bits.
 """
@@ -8,7 +8,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CycleSums", "cycle_features", "cycle_sums", "with_integral"]
+__all__ = [
+    "CycleSums",
+    "covered",
+    "cycle_features",
+    "cycle_sums",
+    "errors_of_means",
+    "with_integral",
+]
 
 Array = NDArray[np.float64]
 CycleSums = tuple[Array, Array, Array, Array, Array, Array, Array]
@@ -110,3 +117,47 @@ def cycle_features(
             one, two = two, three
         rms[c], top[c] = np.sqrt(square / (points - 2)), most
     return mean, parts, rms, top, peak
+
+
+@numba.njit(cache=True, nogil=True)
+def errors_of_means(values: Array, places: NDArray[np.uint32]) -> tuple[Array, Array]:
+    """Return the mean of drawn values and its standard uncertainty from their scatter, (count,)
+    each.
+
+    values: to draw from, less their mean; places: the drawn ones of each session, (n, count).
+    """
+    n, count = places.shape
+    mean, square = np.zeros(count), np.zeros(count)
+    for i in range(n):
+        for j in range(count):
+            mean[j] += values[places[i, j]]
+    for j in range(count):
+        mean[j] /= n
+    for i in range(n):
+        for j in range(count):
+            apart = values[places[i, j]] - mean[j]
+            square[j] += apart * apart
+    for j in range(count):
+        square[j] = np.sqrt(square[j] / ((n - 1) * n))
+    return mean, square
+
+
+@numba.njit(cache=True, nogil=True)
+def covered(
+    error: Array, scatter: Array, certified: float, normal: Array, factor: float, k: Array
+) -> int:
+    """Return in how many sessions the error of a mean is at most its expanded uncertainty.
+
+    error: of the mean of the refills; scatter: its standard uncertainty, which `factor` multiplies;
+    certified: standard uncertainty of the instruments; normal: their error over it; k: coverage
+    factor at equally spaced fractions of the variance, from 0 to 1, that are the refills'.
+    """
+    found, steps = 0, k.size - 1
+    for j in range(error.size):
+        own = (factor * scatter[j]) ** 2
+        whole = own + certified * certified
+        share = own / whole if whole > 0 else 0.0
+        step = min(int(share * steps), steps - 1)
+        limit = k[step] + (k[step + 1] - k[step]) * (share * steps - step)
+        found += abs(error[j] + certified * normal[j]) <= limit * np.sqrt(whole)
+    return found

@@ -210,7 +210,7 @@ def doubts(
     poles is no fault); smooth: as for `features`.
     """
     found = ["stuck"] if part.stuck >= STUCK else []
-    middle = complex(part.fundamental.mean())
+    middle = _mean(part.fundamental)
     if abs(middle) <= NOTHING * channel.noise_rms:
         return (*found, "no_signal")
     # rms of the second differences of white noise (1 + 4 + 1 = 6), quantisation (1/12) included
@@ -229,7 +229,7 @@ def doubts(
     sudden = SUDDEN if part.quiet.size else 0.0
     if _stepped(np.abs(part.fundamental) / abs(middle), LEAST["gain_step"], sudden):
         found.append("gain_step")
-    if _stepped(np.angle(part.fundamental / middle), LEAST["clock_slip"], sudden):
+    if _stepped(_angle(part.fundamental / middle), LEAST["clock_slip"], sudden):
         found.append("clock_slip")
     offset = part.mean / abs(middle)
     if _stepped(offset, LEAST["bias"] + _of_start(channel, omega, settled)):
@@ -243,13 +243,13 @@ def changes(
     """Return the names of the faults of a channel that show as a change from one stretch to
     another.
     """
-    middle = complex(one.fundamental.mean())
+    middle = _mean(one.fundamental)
     level = abs(middle)
     if not level:
         return ()
     series = {
         "gain_step": (np.abs(one.fundamental) / level, np.abs(other.fundamental) / level),
-        "clock_slip": (np.angle(one.fundamental / middle), np.angle(other.fundamental / middle)),
+        "clock_slip": (_angle(one.fundamental / middle), _angle(other.fundamental / middle)),
         "bias": (one.mean / level, other.mean / level),
     }
     start = {"bias": _of_start(channel, omega, settled)}
@@ -259,6 +259,16 @@ def changes(
         for name, (a, b) in series.items()
         if _apart(a, b, LEAST[name] + start.get(name, 0.0), sudden.get(name, 0.0))
     )
+
+
+def _mean(values: Complex) -> complex:
+    """Return the mean; np.mean takes four times as long for a few dozen values."""
+    return complex(values.sum()) / values.size
+
+
+def _angle(values: Complex) -> Array:
+    """Return the angles, rad."""
+    return np.arctan2(values.imag, values.real)
 
 
 def _of_start(channel: ChannelFacts, omega: float, settled: float) -> float:
@@ -320,16 +330,23 @@ def _stepped(series: Array, least: float, sudden: float = 0.0) -> bool:
     n = series.size
     if n < 8 or float(series.max() - series.min()) <= least:
         return False
-    k = np.arange(2, n - 1)
-    before, total = np.cumsum(series)[k - 1], float(series.sum())
-    steps = (total - before) / (n - k) - before / k
-    place = int(np.abs(steps).argmax())
-    size, cut = abs(float(steps[place])), int(k[place])
+    sums, (k, left) = series.cumsum(), _places(n)
+    before = sums[1:-2]
+    steps = np.abs((sums[-1] - before) / left - before / k)
+    place = int(steps.argmax())
+    size, cut = float(steps[place]), place + 2
     if sudden and (
         min(cut, n - cut) < BESIDE or _gap(series[: cut - 1], series[cut + 1 :]) < sudden * size
     ):
         return False
     return size > least and size > SURE * _scatter(series) * math.sqrt(1 / cut + 1 / (n - cut))
+
+
+@lru_cache(maxsize=16)
+def _places(n: int) -> tuple[Array, Array]:
+    """Return the number of values before and after each place of n where a step may be."""
+    k = np.arange(2.0, n - 1)
+    return k, n - k
 
 
 def _apart(a: Array, b: Array, least: float, sudden: float = 0.0) -> bool:
@@ -338,7 +355,7 @@ def _apart(a: Array, b: Array, least: float, sudden: float = 0.0) -> bool:
 
     sudden: fraction of the difference that must be empty between them.
     """
-    size = abs(float(b.mean() - a.mean()))
+    size = abs(float(b.sum() / b.size - a.sum() / a.size))
     if min(a.size, b.size) < 8 or size <= least or (sudden and _gap(a, b) < sudden * size):
         return False
     return size > SURE * math.hypot(
@@ -353,8 +370,10 @@ def _scatter(series: Array) -> float:
     A step, a slope and a single bad cycle do not raise it; alternation from cycle to cycle, as beds
     have it, counts in full.
     """
-    differences = np.sort(np.abs(np.diff(series)))[:-2]
-    return math.sqrt(float((differences**2).mean()) / 2)
+    differences = np.abs(series[1:] - series[:-1])
+    differences.sort()
+    usual = differences[:-2]
+    return math.sqrt(float(usual @ usual) / (2 * usual.size))
 
 
 def _sloped(series: Array) -> bool:

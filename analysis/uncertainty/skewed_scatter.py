@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.signals.compiled_loops import errors_of_means
 from analysis.uncertainty.estimate import LEVEL, coverage_factor
 
 __all__ = ["SEED", "sessions_of", "skew", "stretch"]
@@ -53,16 +54,13 @@ def sessions_of(refills: Array, n: int, count: int) -> tuple[Array, Array]:
     """Return the error of the mean of n refills and its standard uncertainty in simulated sessions,
     (count,) each.
     """
-    drawn = (refills - refills.mean()).take(_places(len(refills), n, count))
-    error = drawn.sum(axis=0)
-    error /= n
-    drawn -= error
-    return error, np.sqrt(np.einsum("ij,ij->j", drawn, drawn) / ((n - 1) * n))
+    return errors_of_means(refills - refills.mean(), _places(len(refills), n, count))
 
 
 @lru_cache(maxsize=32)
-def _places(size: int, n: int, count: int) -> NDArray[np.int64]:
+def _places(size: int, n: int, count: int) -> NDArray[np.uint32]:
     """Return indices of n refills out of `size` for each session, (n, count): the same for all
     conditions.
     """
-    return np.ascontiguousarray(np.random.default_rng([SEED, n]).integers(0, size, (count, n)).T)
+    drawn = np.random.default_rng([SEED, n]).integers(0, size, (count, n))
+    return np.ascontiguousarray(drawn.T, np.uint32)

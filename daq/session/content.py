@@ -35,6 +35,7 @@ __all__ = [
 COUNT = Number(0, whole=True)
 POSITIVE = Number(0.0, above=True)
 RATE = Number(1e-6)  # Hz; below it, samples per cycle vanish and quotients by them overflow
+NO_FLAGS = ~np.uint16(sum(Flag))  # bits of a block's flags that mean nothing
 SMALLEST = 1e-15  # V per unit, V: dividing by a smaller scale could overflow
 
 RUNS = List(
@@ -207,12 +208,11 @@ def block_deviations(run: str, samples: int, rows: npt.NDArray[np.void]) -> Iter
     # Unsigned 64 bit throughout: counts from a foreign file must not wrap around to plausible
     # positions.
     ends = np.cumsum(rows["count"], dtype=np.uint64)
-    if (
-        not np.array_equal(rows["start"], ends - rows["count"])
-        or (int(ends[-1]) if len(ends) else 0) != samples
-    ):
+    if (rows["start"] != ends - rows["count"]).any() or (
+        int(ends[-1]) if len(ends) else 0
+    ) != samples:
         yield f"{run}/blocks: the blocks do not follow each other from sample 0 to {samples}"
     if (rows["clipped"] > rows["count"][:, np.newaxis]).any():
         yield f"{run}/blocks: more samples are clipped than there are"
-    if (rows["flags"] & ~np.uint16(sum(Flag))).any():
+    if (rows["flags"] & NO_FLAGS).any():
         yield f"{run}/blocks: flags that mean nothing"

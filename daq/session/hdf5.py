@@ -22,6 +22,7 @@ from daq.session.writer_lock import is_locked
 
 __all__ = [
     "AttributeValue",
+    "Groups",
     "RowWriter",
     "TableReader",
     "array",
@@ -42,6 +43,7 @@ AttributeValue = str | int | float | Sequence[str]
 FILTERS = frozenset({h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32})
 # bytes per dataset, four chunks: enough, as records are written and read once, in order
 CHUNK_CACHE = 2**18
+KEPT_GROUPS = 32  # kept open, enough for some runs
 IN_HEADER = 64  # attributes kept in a group's header
 FORMAT = ("v110", "v110")
 SCALAR = h5s.create(h5s.SCALAR)
@@ -117,28 +119,42 @@ def array(
     )
 
 
-def has(file: Any, path: str, known: set[str] | None = None) -> bool:
+def has(file: Any, path: str) -> bool:
     """Return whether hard links lead to `path`.
 
     Soft and external links are not followed: they may point at other files.
-
-    known: groups already found by hard links, which need no second check; new ones are added.
     """
-    # Every prefix of the path is checked, because HDF5 would follow a soft link in its middle.
-    links, end = file.id.links, path.find("/")
-    while True:
-        place = path if end < 0 else path[:end]
-        if known is None or place not in known:
-            try:
-                if links.get_info(place.encode()).type != h5l.TYPE_HARD:
-                    return False
-            except (RuntimeError, KeyError):
-                return False
-        if end < 0:
-            return True
-        if known is not None:
-            known.add(place)
-        end = path.find("/", end + 1)
+    try:
+        Groups(file).holder(path)
+    except (RuntimeError, KeyError):
+        return False
+    return True
+
+
+class Groups:
+    """The groups of a file that hard links lead to, opened once each: what they hold is found by its
+    name alone, and not by the whole path.
+    """
+
+    def __init__(self, file: Any) -> None:
+        self._ids = {"": file.id}
+
+    def holder(self, path: str) -> tuple[Any, bytes]:
+        """Return the group that holds the object at `path` (low-level id), and the object's name.
+
+        Raises KeyError where hard links do not lead there. HDF5 would follow a soft link in the
+        middle of a path, too, so every step is checked.
+        """
+        above, _, last = path.rpartition("/")
+        group, name = self._ids.get(above), last.encode()
+        if group is None:
+            group = h5g.open(*self.holder(above))
+            if len(self._ids) >= KEPT_GROUPS:
+                self._ids = {"": self._ids[""]}
+            self._ids[above] = group
+        if group.links.get_info(name).type != h5l.TYPE_HARD:
+            raise KeyError(f"{path} is missing")
+        return group, name
 
 
 def members(file: Any, path: str) -> tuple[str, ...]:
@@ -166,32 +182,27 @@ def dataset(file: Any, path: str) -> Any:
     claimed, or packed by a filter that not every HDF5 reader has (a filter is code, and a foreign
     file must not choose it).
     """
-    return _opened(file, path, None)[0]
+    return _opened(file, path, Groups(file))[0]
 
 
-def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tuple[int, ...]]:
-    """Return (dataset, its type as a low-level id, its shape), checked as in `dataset`; known: see
-    `has`.
-    """
-    if not has(file, path, known):
-        raise KeyError(f"{path} is missing")
-    found = h5d.open(file.id, path.encode())
-    layout = found.get_create_plist()
-    if layout.get_layout() == h5d.VIRTUAL or layout.get_external_count():
-        raise ValueError(f"{path} keeps its data in another file")
-    filters = [layout.get_filter(position)[0] for position in range(layout.get_nfilters())]
-    if not FILTERS.issuperset(filters):
-        raise ValueError(
-            f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read"
-        )
-    kind, shape = found.get_type(), found.shape
+def _opened(file: Any, path: str, groups: Groups) -> tuple[Any, Any, tuple[int, ...]]:
+    """Return (dataset, its type as a low-level id, its shape), checked as in `dataset`."""
+    try:
+        group, name = groups.holder(path)
+    except (RuntimeError, KeyError):
+        raise KeyError(f"{path} is missing") from None
+    found = h5d.open(group, name)
+    # What has an offset lies in this file as it is, in one piece; asking how takes ten times as long.
+    layout = found.get_create_plist() if found.get_offset() is None else None
+    filters = [] if layout is None else _filters(layout, path)
+    kind, shape = found.get_type(), found.get_space().get_simple_extent_dims()
     item, stored = kind.get_size(), found.get_storage_size()
     size = math.prod(shape) * item
     packing = DEFLATE if filters else 1
     # The file's size first: HDF5 would count the chunks of an absurd dataset one by one.
     if size > packing * file.id.get_filesize() or size > packing * stored:
         raise ValueError(f"{path} claims {size} bytes, more than the file holds of it")
-    if filters:
+    if layout is not None and filters:
         # a chunk is unpacked as a whole for any read from it
         chunk = math.prod(layout.get_chunk()) * item
         if max(size, chunk) > most_unpacked(stored):
@@ -202,12 +213,27 @@ def _opened(file: Any, path: str, known: set[str] | None) -> tuple[Any, Any, tup
     return found, kind, shape
 
 
+def _filters(layout: Any, path: str) -> list[int]:
+    """Return the filters of a dataset's layout, by number.
+
+    Raises ValueError for data in another file and for other filters than FILTERS.
+    """
+    if layout.get_layout() == h5d.VIRTUAL or layout.get_external_count():
+        raise ValueError(f"{path} keeps its data in another file")
+    filters = [layout.get_filter(position)[0] for position in range(layout.get_nfilters())]
+    if not FILTERS.issuperset(filters):
+        raise ValueError(
+            f"{path} is packed by a filter (HDF5 number {max(filters)}); gzip and shuffle are read"
+        )
+    return filters
+
+
 class TableReader:
     """A dataset opened for reading.
 
     Raises KeyError or ValueError where its type or shape is not the given one.
 
-    known: see `has`; None where this process has made the file, so that its datasets need no
+    groups: of the file; None where this process has made the file, so that its datasets need no
     checks.
     """
 
@@ -217,14 +243,14 @@ class TableReader:
         path: str,
         dtype: npt.DTypeLike,
         shape: tuple[int, ...],
-        known: set[str] | None,
+        groups: Groups | None,
     ) -> None:
         self._dtype, self._shape = np.dtype(dtype), shape
-        if known is None:
+        if groups is None:
             self._source = h5d.open(file.id, path.encode())
             kind, there = self._source.get_type(), self._source.shape
         else:
-            self._source, kind, there = _opened(file, path, known)
+            self._source, kind, there = _opened(file, path, groups)
         # Comparing HDF5 types first: building numpy's type of a table takes ten times as long.
         same = kind.equal(_memory_type(self._dtype))
         if there != shape or not (same or self._source.dtype == self._dtype):

@@ -11,7 +11,15 @@ from typing import Any, Self
 import numpy.typing as npt
 
 from daq.session.content import read_json
-from daq.session.hdf5 import TableReader, has, is_text, members, open_for_reading, read_attributes
+from daq.session.hdf5 import (
+    Groups,
+    TableReader,
+    has,
+    is_text,
+    members,
+    open_for_reading,
+    read_attributes,
+)
 from daq.session.plan import SessionError
 from daq.session.time_limit import limited
 
@@ -53,9 +61,8 @@ class SessionFile:
         self._file = file
         self._path = path
         self._patience = patience
-        # Groups found by hard links so far; None for a file that this process made, which needs no
-        # checks.
-        self._known: set[str] | None = None if made else set()
+        # None for a file that this process made, which needs no checks.
+        self._groups = None if made else Groups(file)
         self._owned = file.mode == "r"  # else the recorder owns and closes the file
         self._live = self._owned and file.swmr_mode  # another process may be writing
         self._tables: dict[str, TableReader] = {}  # open and already checked
@@ -73,7 +80,7 @@ class SessionFile:
 
     def close(self) -> None:
         """Close the file; a recorder's own record stays open until the recorder is closed."""
-        self._tables.clear()
+        self._forget()
         if self._owned:
             # nothing was written: nothing is lost
             with suppress(OSError, RuntimeError), limited(self._patience):
@@ -86,6 +93,7 @@ class SessionFile:
         its lock.
         """
         self._file = opened(self._path, self._patience)
+        self._forget()
 
     @property
     def live(self) -> bool:
@@ -143,13 +151,17 @@ class SessionFile:
         cached chunks are out of date.
         """
         if self._live:
-            source = TableReader(
-                self._file, path, dtype, shape, set() if self._known is None else self._known
-            )
+            source = TableReader(self._file, path, dtype, shape, self._groups or Groups(self._file))
             source.refresh()
             return source
         if path not in self._tables:
             if len(self._tables) >= KEPT_TABLES:
-                self._tables.clear()
-            self._tables[path] = TableReader(self._file, path, dtype, shape, self._known)
+                self._forget()
+            self._tables[path] = TableReader(self._file, path, dtype, shape, self._groups)
         return self._tables[path]
+
+    def _forget(self) -> None:
+        """Let go of all open tables and groups."""
+        self._tables.clear()
+        if self._groups is not None:
+            self._groups = Groups(self._file)

@@ -13,6 +13,8 @@ import pytest
 
 from analysis import RunEnergy, processes, read_session
 from analysis.pipeline import energies_of
+from analysis.report.files import write_report
+from analysis.shared_work import here, shared_by
 from daq.session.record import Record, open_session
 from rig.campaign.runner import run
 from rig.protocol.load import load_protocol
@@ -61,6 +63,18 @@ def test_energies_are_those_of_one_process(
         assert 0 < len(found) == len(alone) < len(record.runs)  # a loop-back has no energy
         assert all(same(found[name], alone[name]) for name in alone)
         assert read_session(record, found) == read_session(record)
+
+
+def test_a_report_by_processes_is_that_of_one(session: Path, tmp_path: Path) -> None:
+    with open_session(session) as record:
+        for name, each in (("one", here), ("three", shared_by(3))):
+            write_report(read_session(record, each=each), tmp_path / name, each=each)
+    one, three = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.*")}
+        for folder in (tmp_path / "one", tmp_path / "three")
+    )
+    assert len(one) > 4
+    assert one == three
 
 
 @pytest.mark.parametrize("victims", [range(1), range(2)])

@@ -18,6 +18,7 @@ from rig.errors import InputError, Mistake
 
 if TYPE_CHECKING:
     from analysis.results.report import Report
+    from analysis.shared_work import ForEach
 
 MIXED = f"stopped while it was written, its files do not belong together ({UNFINISHED}); rig report writes it anew"
 
@@ -42,26 +43,30 @@ def report_sessions(
     for session in sessions:
         path = session_file(session)
         with open_watched(path) as record:
-            reports.append(_read(record, tolerate_gaps))
+            report, each = _read(record, tolerate_gaps)
+        reports.append(report)
         folder = out or path.parent
         if unfinished(folder):
             print(f"rig: an unfinished report in {folder} is replaced", file=sys.stderr)
-        write_report(reports[-1], folder, png=png)
+        write_report(report, folder, png=png, each=each)
         if not as_json:
-            print_result(reports[-1], folder)
+            print_result(report, folder)
     if as_json:
         documents = [report.document() for report in reports]
         print_json(documents[0] if len(documents) == 1 else documents)
     return 0 if all(report.passes for report in reports) else 1
 
 
-def _read(record: Record, tolerate_gaps: bool) -> "Report":
+def _read(record: Record, tolerate_gaps: bool) -> tuple["Report", "ForEach"]:
+    """Return the report of a session, and the way to share out further work on it."""
     from analysis.pipeline import read_session
-    from analysis.processes import energies_by_processes
+    from analysis.processes import energies_by_processes, useful
+    from analysis.shared_work import shared_by
 
-    return read_session(
-        record, energies_by_processes(record, cores(), tolerate_gaps), tolerate_gaps
-    )
+    count = useful(record, cores())
+    each = shared_by(count)
+    energies = energies_by_processes(record, count, tolerate_gaps)
+    return read_session(record, energies, tolerate_gaps, each), each
 
 
 def compare_sessions(
@@ -80,7 +85,7 @@ def compare_sessions(
     reports, tools = [], []
     for session in sessions:
         with open_watched(session_file(session)) as record:
-            reports.append(_read(record, tolerate_gaps))
+            reports.append(_read(record, tolerate_gaps)[0])
             tools.append(_instruments(record))
     same = same_instruments or (tools[0] is not None and tools[0] == tools[1])
     first, second = (session_file(session).parent for session in sessions)
