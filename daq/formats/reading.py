@@ -104,7 +104,8 @@ def _sep005_column(path: Path, arrays: Any, entry: Mapping[str, Any], n: int) ->
     """Return channel n of a SEP-005 file."""
     name = entry["name"]
     rate = entry.get("fs")
-    if rate is not None and not RATE.holds(rate):
+    stated = "fs" in entry and not (rate is None and entry.get("time") is not None)
+    if stated and not RATE.holds(rate):
         raise FormatError(f"{path}: channels[{n}].fs is {rate!r:.40}, expected {RATE} (Hz)")
     unit = entry.get("unit_str", "")
     start = entry.get("start_timestamp")

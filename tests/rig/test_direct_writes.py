@@ -12,10 +12,13 @@ OWN = {
     "daq/whole_files.py",  # the writer that all others use
     "daq/session/disk_space.py",  # room for a session, under its temporary name
     "daq/session/writer_lock.py",
-    "daq/formats/reading.py",  # archives and TDMS files of others, whose `open` reads
+    "daq/formats/reading.py",  # archives of others, whose `open` reads
+    "daq/formats/tdms.py",  # TDMS files of others, whose `open` reads
     "daq/session/hdf5_flags.py",  # one byte of a session in place
     "daq/regular_files.py",  # opens what it has seen to be a file, for reading
     "daq/session/hdf5.py",  # a session grows in place; it is created under a temporary name
+    "rig/lammps_engine/child.py",  # the pipe to the engine's parent
+    "rig/lammps_engine/process.py",  # what LAMMPS prints, in a temporary folder that ends with it
     "rig/benchmarks/problems/records.py",  # throw-away files in a folder of the benchmark's own
     "rig/benchmarks/problems/recording.py",
 }
