@@ -1,9 +1,8 @@
 """The process that runs LAMMPS: one per MPI rank, all of them do the same; rank 0 talks.
 
 It knows nothing of the rig: it gets LAMMPS commands, grains and the kicks of the box, and returns
-grains and forces. The first step needs forces from before the start, and a stretch ends before the
-kick of its last step is known: both are put right in the arrays of LAMMPS, so that stretches
-continue one another to rounding.
+grains and forces. A stretch ends before the kick of its last step is known: it is put right in the
+arrays of LAMMPS, so that stretches continue one another to rounding.
 """
 
 import ctypes
@@ -68,14 +67,14 @@ class _Scene:
         self._file = Path(str(message["output"]))
         self._run.command("variable kick vector [0]")
         self._run.command("variable at equal 1")
-        self._run.command("run 0 post no")
-        # Nothing touched anything before the start: the first kick is that of the weight alone.
-        mine = self._mine()
-        gravity = message["gravity"]
-        local("f")[:] = message["mass"][mine, None] * gravity
-        local("torque")[:] = 0.0
-        local("v")[:] = message["velocity"][mine] + 0.5 * self._dt * gravity
+        # Forces come from the velocities half a step ago, as in all later steps.
+        local("v")[:] = message["velocity"][mine]
         local("omega")[:] = message["spin"][mine]
+        self._run.command("run 0 post no")
+        mine = self._mine()
+        mass, inertia = message["mass"][mine, None], message["inertia"][mine, None]
+        local("v")[:] += 0.5 * self._dt * local("f") / mass
+        local("omega")[:] += 0.5 * self._dt * local("torque") / inertia
         self._read = 0
 
     def version(self) -> int:

@@ -63,7 +63,7 @@ class LammpsEngine:
         except BaseException:
             self._process.close()
             raise
-        self._force = 0.0
+        self._force = float(np.sum(self._now.force[:, room.axis])) - self._weight
 
     @property
     def grains(self) -> int:
@@ -90,7 +90,7 @@ class LammpsEngine:
         kicks = np.diff(velocity) / self.dt
         start = self._energy(float(velocity[0]))
         answer = self._process.ask({"do": "advance", "kicks": kicks})
-        weight = self.mass * float(self._gravity[self.room.axis])
+        weight = self._weight
         # LAMMPS sums all forces: those of the walls are what is left without weight and kick.
         walls = answer["force"] - weight
         walls[:-1] += self.mass * kicks[1:]
@@ -137,8 +137,11 @@ class LammpsEngine:
         self.close()
 
     @property
-    def _gravity(self) -> Floats:
-        return np.array([self.room.gravity_x, self.room.gravity_y, self.room.gravity_z])
+    def _weight(self) -> float:
+        """Weight of all grains along the axis, N."""
+        room = self.room
+        gravity = (room.gravity_x, room.gravity_y, room.gravity_z)
+        return self.mass * gravity[room.axis]
 
     def _energy(self, before: float) -> Floats:
         return energies(self._now, self.law, self.room, before, self.dt)

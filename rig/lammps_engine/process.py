@@ -29,12 +29,12 @@ def opening(
         "output": file,
         "axis": room.axis,
         "dt": dt,
-        "gravity": (room.gravity_x, room.gravity_y, room.gravity_z),
         "place": packing.place + given.shift,
         "velocity": packing.velocity,
         "spin": packing.spin,
         "radius": packing.radius,
         "mass": packing.mass,
+        "inertia": 0.4 * packing.mass * packing.radius**2,
         "kind": packing.cavity + 1,
     }
 

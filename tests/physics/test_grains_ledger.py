@@ -12,7 +12,7 @@ from grains_scenes import (
     RADIUS,
     SCENES,
     G,
-    Shaken,
+    balls,
     box,
     cycles,
     down,
@@ -38,33 +38,63 @@ from rig.theory.contact import hertz_contact_time
 CYCLES = 3
 
 
-def residual(scene: Shaken, part: float) -> float:
-    """Return the largest gap in the account at the end of a cycle, over the work of all cycles."""
-    steps = steps_of(part)
-    engine = Engine(scene.packing, scene.law, scene.room, 1.0 / (FREQUENCY * steps))
-    velocity = cycles(scene.acceleration, CYCLES, steps)
+ROUNDING = 3e-11
+"""The account has no order in the step: what is left is rounding. Up to 130 contacts add 13 000
+powers each to sums that hold up to 30 times the net work of the box; the places, 1e-17 m of an
+overlap of 1e-6 m, make 1e-11 of the elastic energy."""
+
+
+def gaps(engine: Engine, acceleration: float, count: int) -> np.ndarray:
+    """Return the gaps in the account at the end of each cycle, over the work of all of them."""
+    steps = steps_of(1 / 14)
+    velocity = cycles(acceleration, count, steps)
     start = engine.energy(velocity[0]).sum()
-    gaps, work, lost = [], 0.0, 0.0
-    for k in range(CYCLES):
-        found = engine.advance(velocity[k * steps : (k + 1) * steps + 1])
-        work += found.work
-        lost += found.loss.sum()
-        gaps.append(work - lost - (found.energy.sum() - start))
-    return float(np.max(np.abs(gaps)) / work)
+    found, work, lost = [], 0.0, 0.0
+    for k in range(count):
+        stretch = engine.advance(velocity[k * steps : (k + 1) * steps + 1])
+        work += stretch.work
+        lost += stretch.loss.sum()
+        found.append(work - lost - (stretch.energy.sum() - start))
+    return np.abs(found) / work
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_work_is_loss_and_change_of_energy(name: str) -> None:
     scene = shaken(name)
-    coarse, fine = residual(scene, 1 / 14), residual(scene, 1 / 42)
-    rolling = name == "rolling"
-    # What is left comes from the turning of normals over one step, squared: (v dt/d)^2, 1e-7 of
-    # the energy that friction turns over. A rolling force, mu_r of the normal one, keeps a first
-    # order. The account has to close to 1e-3.
-    assert coarse < (3e-6 if rolling else 3e-7)
-    # Orders 1 and 2 make 1/3 and 1/9; motion is chaotic, so that the two runs do not meet the
-    # same impacts: half of the fall is asked for.
-    assert fine < coarse * (2.0 / 3.0 if rolling else 2.0 / 9.0)
+    dt = 1.0 / (FREQUENCY * steps_of(1 / 14))
+    engine = Engine(scene.packing, scene.law, scene.room, dt)
+    assert np.all(gaps(engine, scene.acceleration, CYCLES) < ROUNDING)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_account_closes_from_a_packing_whose_contacts_are_loaded(name: str) -> None:
+    scene = shaken(name)
+    steps = steps_of(1 / 14)
+    dt = 1.0 / (FREQUENCY * steps)
+    before = Engine(scene.packing, scene.law, scene.room, dt)
+    before.advance(cycles(scene.acceleration, 1, steps))
+    engine = Engine(before.packing(), scene.law, scene.room, dt)
+    stored = engine.energy(0.0)[3]
+    # Left out, it would be a gap of this size.
+    assert stored > 1e-4 * engine.energy(0.0)[0]
+    assert np.all(gaps(engine, scene.acceleration, 1) < ROUNDING)
+
+
+@pytest.mark.parametrize("law", [linear(0.6, 0.3), hertzian(0.4, 0.3)])
+def test_a_ball_that_lies_in_balance_stays_there(law: Law) -> None:
+    # k d = m g, and 4/3 E* sqrt(R) d^(3/2) = m g; energies 1/2 k d^2 and 2/5 of force x depth.
+    depth = MASS * G / law.wall_stiffness
+    part = 0.5
+    if law.hertz:
+        depth, part = (depth / math.sqrt(RADIUS)) ** (2.0 / 3.0), 0.4
+    place = [[0.05, 0.05, RADIUS - depth]]
+    engine = Engine(balls(place, np.zeros((1, 3))), law, box(gravity=down()), PAIR_TIME / 14.0)
+    assert engine.energy(0.0)[3] == pytest.approx(part * MASS * G * depth, rel=1e-9)
+    found = engine.advance(still(1000))
+    # The depth is a difference of lengths of 2.5 mm: its force is off by 1e-19 m times k.
+    assert found.force == 0.0
+    assert engine.packing().place[0, 2] == pytest.approx(RADIUS - depth, abs=1e-17)
+    assert found.energy[3] == pytest.approx(part * MASS * G * depth, rel=1e-9)
 
 
 def test_the_account_closes_within_a_cycle_with_the_weight_of_the_grains_in_the_moving_box() -> (

@@ -33,6 +33,7 @@ from grains_scenes import (
 from rig.kernels.grains import engine as engine_module
 from rig.kernels.grains.arrays import Law, Room
 from rig.kernels.grains.engine import Engine, Packing
+from rig.kernels.grains.state import EngineState
 
 STEP = PAIR_TIME / 14.0
 NUDGE = 1e-10
@@ -213,6 +214,33 @@ def test_two_threads_give_the_bits_of_one(name: str) -> None:
     assert np.array_equal(
         alone._lists.wall_memory[:entries][touch], beside._lists.wall_memory[:entries][touch]
     )
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_resumed_engine_goes_on_with_the_same_bits(name: str, threads: int) -> None:
+    scene = shaken(name)
+    steps = steps_of(1 / 14)
+    velocity = cycles(scene.acceleration, 1, steps)
+    dt = 1.0 / (FREQUENCY * steps)
+    engine = Engine(scene.packing, scene.law, scene.room, dt)
+    engine.advance(velocity[: steps // 3 + 1])
+    state = engine.state()
+    kept = {field: np.array(value) for field, value in state._asdict().items()}
+    assert len(state.pair) + len(state.wall) > 0
+    other = Engine.resumed(EngineState(**kept), scene.law, scene.room, dt, threads)
+    assert np.array_equal(other.energy(velocity[steps // 3]), engine.energy(velocity[steps // 3]))
+    parts = (velocity[steps // 3 : steps // 2 + 1], velocity[steps // 2 :])
+    for part in parts:
+        one, two = engine.advance(part), other.advance(part)
+        for field in ("impulse", "force", "work", "loss", "energy"):
+            assert np.array_equal(getattr(one, field), getattr(two, field)), field
+    assert engine.time == other.time == pytest.approx(1.0 / FREQUENCY, rel=1e-12)
+    for field, value in engine.state()._asdict().items():
+        assert np.array_equal(value, getattr(other.state(), field)), field
+    # What was given is not written to: a checkpoint serves more than once.
+    for field, value in kept.items():
+        assert np.array_equal(value, getattr(state, field)), field
 
 
 def test_equal_cavities_beside_each_other_move_as_one_alone() -> None:

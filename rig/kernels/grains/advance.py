@@ -101,6 +101,33 @@ def _farthest(grains: GrainArrays, lists: Lists) -> float:
 
 
 @njit(cache=True, nogil=True)
+def begin(
+    grains: GrainArrays,
+    lists: Lists,
+    ghosts: Ghosts,
+    old_grains: GrainArrays,
+    old: Lists,
+    grid: Cells,
+    law: Law,
+    room: Room,
+    sums: Floats,
+    totals: Floats,
+) -> None:
+    """Make the lists and the forces of grains as they lie, with relaxed tangential springs.
+
+    `totals[FAULT]` is set where they cannot be followed.
+    """
+    make_lists(grains, lists, old_grains, old, grid, room, totals)
+    if totals[FAULT] > 0.0:
+        return
+    for slab in range(SLABS):
+        pair_forces(slab, grains, lists, ghosts, law, 0.0, sums)
+        wall_forces(slab, grains, lists, law, room, 0.0, sums)
+    add_ghosts(grains, ghosts, int(sums[0, GHOSTS]))
+    sums[0, GHOSTS] = 0.0
+
+
+@njit(cache=True, nogil=True)
 def advance(
     thread: int,
     threads: int,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rig.kernels.grains.advance import advance
+from rig.kernels.grains.advance import advance, begin
 from rig.kernels.grains.arrays import (
     FAULT,
     LISTS_FULL,
@@ -18,6 +18,7 @@ from rig.kernels.grains.arrays import (
     SUMS,
     TOTALS,
     WALL_X,
+    WALL_Z,
     WORK_OF_BOX,
     Cells,
     Floats,
@@ -29,6 +30,7 @@ from rig.kernels.grains.arrays import (
 )
 from rig.kernels.grains.barrier import new_flags
 from rig.kernels.grains.energy import elastic, energies
+from rig.kernels.grains.state import EngineState, contacts, restore
 
 SKIN = 0.1
 """Neighbours are closer than touching by this fraction of the smallest diameter."""
@@ -86,10 +88,62 @@ class Stretch:
 class Engine:
     """Grains in a box that moves as it is told; advanced stretch by stretch.
 
-    The same bits come out whatever the number of threads.
+    It begins with the forces of its packing and with the energy that its contacts store; tangential
+    springs are relaxed. The same bits come out whatever the number of threads.
     """
 
     def __init__(self, packing: Packing, law: Law, room: Room, dt: float, threads: int = 1) -> None:
+        """Take a packing. Raises LostGrains if its grains cannot be followed."""
+        self._make_room(packing, law, room, dt, threads)
+        begin(
+            self._grains,
+            self._lists,
+            self._ghosts,
+            self._old_grains,
+            self._old_lists,
+            self._grid,
+            law,
+            room,
+            self._sums,
+            self._totals,
+        )
+        self._check()
+        self._elastic = elastic(self._grains, self._lists, law, room)
+
+    @classmethod
+    def resumed(
+        cls, state: EngineState, law: Law, room: Room, dt: float, threads: int = 1
+    ) -> Engine:
+        """Return an engine that goes on from a state with the same bits, on any number of threads.
+
+        law, room, dt : those of the engine that gave the state
+        """
+        engine = cls.__new__(cls)
+        grains = GrainArrays(state.place, state.motion, state.load, state.ident, state.cavity)
+        engine._make_room(_packing(grains), law, room, dt, threads)
+        restore(state, engine._grains, engine._lists)
+        engine._elastic = state.elastic.copy()
+        engine._totals[:] = state.totals
+        engine._sums[:, WALL_X : WALL_Z + 1] = state.force
+        engine.impulse = float(state.impulse)
+        engine.steps = int(state.steps)
+        return engine
+
+    def state(self) -> EngineState:
+        """Return all that `resumed` needs, copied."""
+        grains = {name: part.copy() for name, part in self._grains._asdict().items()}
+        return EngineState(
+            **grains,
+            **contacts(self._lists)._asdict(),
+            elastic=self._elastic.copy(),
+            totals=self._totals.copy(),
+            force=self._sums[:, WALL_X : WALL_Z + 1].copy(),
+            impulse=np.array(self.impulse),
+            steps=np.array(self.steps),
+        )
+
+    def _make_room(self, packing: Packing, law: Law, room: Room, dt: float, threads: int) -> None:
+        """Make the arrays for a packing, without forces."""
         self.law, self.room, self.dt, self.threads = law, room, dt, threads
         n = packing.radius.size
         self._grains = _grains(packing)
@@ -106,8 +160,13 @@ class Engine:
         self._grid = _grid(n, largest, smallest, room)
         self._sums = np.zeros((SLABS, SUMS))
         self._totals = np.zeros(TOTALS)
-        self.impulse = 0.0
+        self.impulse, self.steps = 0.0, 0
         self._elastic = np.zeros(4)
+
+    @property
+    def time(self) -> float:
+        """Time since the start, s."""
+        return self.steps * self.dt
 
     @property
     def grains(self) -> int:
@@ -128,16 +187,7 @@ class Engine:
         """Return the grains as they are, in the order of their numbers; velocities half a step
         ago.
         """
-        order = np.argsort(self._grains.ident)
-        place, motion = self._grains.place[order], self._grains.motion[order]
-        return Packing(
-            place[:, :3].copy(),
-            place[:, 3].copy(),
-            1.0 / motion[:, 6],
-            motion[:, :3].copy(),
-            motion[:, 3:6].copy(),
-            self._grains.cavity[order].copy(),
-        )
+        return _packing(self._grains)
 
     def advance(self, velocity: Floats) -> Stretch:
         """Follow a motion of the box over `velocity.size - 1` steps.
@@ -151,13 +201,9 @@ class Engine:
         self._totals[WORK_OF_BOX] = 0.0
         self._sums[:, :4] = 0.0
         self._run(velocity, impulse)
-        if self._totals[FAULT]:
-            raise LostGrains(
-                "more neighbours than the lists have room for"
-                if self._totals[FAULT] == LISTS_FULL
-                else "a grain left the box or is not a number: the step is too long"
-            )
+        self._check()
         self.impulse = float(impulse[-1])
+        self.steps += steps
         work = self._sums[0, :4] + self._sums[1, :4]
         stored = elastic(self._grains, self._lists, self.law, self.room)
         loss = -work - (stored - self._elastic)
@@ -178,6 +224,14 @@ class Engine:
         """
         moving = energies(self._grains, self.room, before, self.dt)
         return np.append(moving, self._elastic.sum())
+
+    def _check(self) -> None:
+        if self._totals[FAULT]:
+            raise LostGrains(
+                "more neighbours than the lists have room for"
+                if self._totals[FAULT] == LISTS_FULL
+                else "a grain left the box or is not a number: the step is too long"
+            )
 
     def _run(self, velocity: Floats, impulse: Floats) -> None:
         flags = new_flags(self.threads)
@@ -208,6 +262,20 @@ class Engine:
         run(0)
         for other in others:
             other.join()
+
+
+def _packing(grains: GrainArrays) -> Packing:
+    """Return the grains in the order of their numbers."""
+    order = np.argsort(grains.ident)
+    place, motion = grains.place[order], grains.motion[order]
+    return Packing(
+        place[:, :3].copy(),
+        place[:, 3].copy(),
+        1.0 / motion[:, 6],
+        motion[:, :3].copy(),
+        motion[:, 3:6].copy(),
+        grains.cavity[order].copy(),
+    )
 
 
 def _grains(packing: Packing) -> GrainArrays:

@@ -9,6 +9,8 @@ from rig.kernels.grains.arrays import (
     FAULT,
     FLEW_AWAY,
     FLOOR,
+    FX,
+    FZ,
     LID,
     LISTS_FULL,
     NEIGHBOURS,
@@ -176,8 +178,10 @@ def _carry_over(lists: Lists, old: Lists, where: Ints) -> None:
                         lists.memory[q, k] = sign * old.memory[p, k]
                     if rolls:
                         # Rolling turns with the spins' difference and with the normal: both
-                        # change their sign, the stretch keeps it.
+                        # change their sign, the stretch keeps it; the torque is on the other.
                         lists.rolling[q] = old.rolling[p]
+                        for k in range(FX, FZ + 1):
+                            lists.rolling[q, k] *= sign
                     break
 
 
