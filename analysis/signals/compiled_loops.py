@@ -4,9 +4,10 @@ operations, and no temporary arrays.
 Sums run in the order of the samples, without reassociation: equal samples give equal bits.
 """
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from daq.compiled import njit
 
 __all__ = [
     "CycleSums",
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 CycleSums = tuple[Array, Array, Array, Array, Array, Array, Array]
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def with_integral(signal: Array, mean: float, weight: float) -> Array:
     """Return y + weight * integral(y), y = signal - mean, for a unit step.
 
@@ -40,7 +41,7 @@ def with_integral(signal: Array, mean: float, weight: float) -> Array:
     return out
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> CycleSums:
     """Return the sums over each cycle from which energies are computed.
 
@@ -78,7 +79,7 @@ def cycle_sums(force: Array, acceleration: Array, mean: float, cycles: int) -> C
     return F_sum, a_sum, kF_sum, u_sum, Fu_sum, u_first, shape
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def cycle_features(
     samples: Array, cycles: int, turn: Array
 ) -> tuple[Array, Array, Array, Array, float]:
@@ -119,7 +120,7 @@ def cycle_features(
     return mean, parts, rms, top, peak
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def errors_of_means(values: Array, places: NDArray[np.uint32]) -> tuple[Array, Array]:
     """Return the mean of drawn values and its standard uncertainty from their scatter, (count,)
     each.
@@ -142,7 +143,7 @@ def errors_of_means(values: Array, places: NDArray[np.uint32]) -> tuple[Array, A
     return mean, square
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def covered(
     error: Array, scatter: Array, certified: float, normal: Array, factor: float, k: Array
 ) -> int:

@@ -8,13 +8,13 @@ import math
 from collections.abc import Sequence
 from typing import Protocol
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from daq.chain.channel import Channel, ChannelState
 from daq.chain.source import AnalogSource, FloatArray
 from daq.chain.transducer import high_pass
+from daq.compiled import njit
 
 __all__ = ["Bend", "Clip", "Conditioned", "HighPass", "Resonance", "Stage", "conditioned"]
 
@@ -167,7 +167,7 @@ def _stages(channel: Channel, state: ChannelState, rate: float) -> list[Stage]:
     return found
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _resonate(
     x: FloatArray, memory: tuple[float, float], weights: tuple[float, float, float]
 ) -> tuple[float, float]:

@@ -17,11 +17,11 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from daq.chain.source import FloatArray
+from daq.compiled import njit
 
 __all__ = ["DELAY", "OVERSAMPLING", "STAGE1", "STAGE2", "Decimator", "shifted_lowpass"]
 
@@ -171,7 +171,7 @@ class Decimator:
         return self._out
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _decimate(
     x: FloatArray,
     inputs: FloatArray,
@@ -202,7 +202,7 @@ def _decimate(
         _convolve(halves.ravel(), last, start, out[start : start + count])
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _decimate_skewed(
     x: FloatArray,
     inputs: FloatArray,
@@ -231,7 +231,7 @@ def _decimate_skewed(
         _convolve(halves.ravel(), stage2, start, out[start : start + count])
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _convolve_all(
     source: FloatArray, taps: tuple[IntArray, FloatArray], start: int, out: FloatArray
 ) -> None:
@@ -251,7 +251,7 @@ def _convolve_all(
             out[i] += (w0 * a0[i] + w1 * a1[i]) + (w2 * a2[i] + w3 * a3[i])
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _convolve(
     source: FloatArray,
     taps: tuple[IntArray, IntArray, FloatArray, int, float],

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -12,6 +11,7 @@ from daq.chain.channel import AnalyzerSpec, Channel, ChannelState
 from daq.chain.fir import DELAY, OVERSAMPLING, Decimator
 from daq.chain.noise import Flicker
 from daq.chain.source import FloatArray
+from daq.compiled import njit
 
 __all__ = ["BLOCK", "FILTER_DELAY", "FrontEnd", "NotFinite", "noise_volts"]
 
@@ -135,7 +135,7 @@ class FrontEnd:
         return codes
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _quantise(
     volts: FloatArray,
     per_volt: float,

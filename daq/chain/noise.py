@@ -5,11 +5,11 @@ the white part.
 import math
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 
 from daq.chain.channel import SPOTS
 from daq.chain.source import FloatArray
+from daq.compiled import njit
 
 __all__ = ["Flicker", "sections"]
 
@@ -57,7 +57,7 @@ class Flicker:
         _add_sections(volts, gauss, self._keep, self._sigma, self._state)
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def _add_sections(
     volts: FloatArray, gauss: FloatArray, keep: FloatArray, sigma: FloatArray, state: FloatArray
 ) -> None:

@@ -5,11 +5,11 @@ high-pass pole.
 import math
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 
 from daq.chain.channel import ChannelState
 from daq.chain.source import FloatArray, PhysicalSource
+from daq.compiled import njit
 
 __all__ = ["Transduced", "high_pass"]
 
@@ -63,7 +63,7 @@ class Transduced:
         return self._volts
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def high_pass(
     x: FloatArray, slow: float, step: float, sensitivity: float, volts: FloatArray
 ) -> float:

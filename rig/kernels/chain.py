@@ -1,8 +1,9 @@
 """Event-driven collision of a chain of grains, with or without a wall at its end."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from daq.compiled import njit
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 otherwise.
 """
 
-from numba import njit
+from daq.compiled import njit
 
 NEAR = 0.01
 """Step, rad (or fraction of the flight time, if that is shorter), within which a Taylor series of

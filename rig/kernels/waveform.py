@@ -9,8 +9,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from daq.compiled import njit
 
 TWO_PI = 2.0 * math.pi
 
@@ -201,11 +202,14 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
     tables = np.empty((n, 2 * turning.shape[0] + 2, 5))
     # Between neighbouring extrema the acceleration is monotonic, so each level is crossed at most
     # once.
-    bounds = np.append(turning, turning[:1] + TWO_PI)
+    # Filled and counted by hand: a kernel that calls np.append or np.sum loads scipy.linalg.
+    pieces = turning.shape[0]
+    bounds = np.empty(pieces + 1 if pieces else 0)
     values = np.empty(bounds.shape[0])
-    for k in range(turning.shape[0]):
-        values[k] = motion(turning[k], P, Q)[2]
-    values[turning.shape[0] :] = values[:1]
+    for k in range(pieces):
+        bounds[k], values[k] = turning[k], motion(turning[k], P, Q)[2]
+    if pieces:
+        bounds[pieces], values[pieces] = turning[0] + TWO_PI, values[0]
     x0, v0, a0 = motion(0.0, P, Q)
     for i in range(n):
         band, table = thresholds[i], tables[i]
@@ -217,8 +221,9 @@ def crossings(thresholds: Array, P: Array, Q: Array, turning: Array) -> Crossing
         # Two crossings may coincide where the acceleration just touches a threshold. The order of
         # the monotonic pieces decides which comes first; those of the next cycle precede all
         # others.
-        line, count = 0, phases.shape[0]
-        wrapped = np.sum(phases >= TWO_PI)
+        line, count, wrapped = 0, phases.shape[0], 0
+        for phase in phases:
+            wrapped += phase >= TWO_PI
         for n in range(count):
             k = (n - wrapped) % count
             phase = max(phases[k] % TWO_PI, table[line, 0])

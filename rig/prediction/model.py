@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from typing import Any
 
 from rig.beds.janssen_stack import bed_mass, layer_count
@@ -133,20 +132,26 @@ def _predicted(
 ) -> tuple[Prediction, dict[str, Any]]:
     """Return the prediction and its table from the bed's own at the levels; empty without one."""
     scene = condition.scene
-    known = variants(condition, rig, levels, partial(_layers, condition, rig, levels, cycles))
     if own is None:
-        known["own"] = Variant(None, why=f"bed {scene.bed} has no prediction of its own here")
+        by_bed = Variant(None, why=f"bed {scene.bed} has no prediction of its own here")
     else:
         stated = SINGLE_MASS_FOR_GRAINS if scene.bed == "grains" else 0.0
-        known["own"] = event_resolved(
+        by_bed = event_resolved(
             totals,
             u_rel=own.u_rel,
             u_levels=own.u_levels,
             u_settling=own.u_settling,
             u_stated=stated,
         )
-        if scene.bed == "layers":
-            known["layers"] = known["own"]
+
+    def layers_of_any_bed() -> Variant:
+        # Bed `layers` has just computed them as its own.
+        return by_bed if scene.bed == "layers" else _layers(condition, rig, levels, cycles)
+
+    known = variants(condition, rig, levels, layers_of_any_bed)
+    known["own"] = by_bed
+    if scene.bed == "layers":
+        known["layers"] = by_bed
     bounds = [_bound(condition, rig, own, level) for level in levels]
     known["band"] = Variant(None, why="a band, no number: see W_T_low and W_T_high")
     name = _headline(condition, known)

@@ -7,6 +7,7 @@ import pytest
 
 from rig.catalog.entries import Rig
 from rig.errors import InputError
+from rig.prediction import own
 from rig.prediction.model import SINGLE_MASS_FOR_GRAINS, predict, predict_about
 from rig.protocol.grid import conditions
 from rig.protocol.load import load_protocol
@@ -143,3 +144,17 @@ def test_beds_that_cannot_slide_keep_their_own(rig: Rig) -> None:
     )
     found = [predict(each, rig).prediction for each in conditions(protocol)]
     assert found == ["own", "own", "column"]
+
+
+def test_rows_of_bed_layers_are_followed_once_a_level(monkeypatch):
+    """Its own prediction is the layers variant: computing both is work for nothing."""
+    followed, whole = [], own.layers_total
+
+    def counted(*arguments, **more):
+        followed.append(arguments)
+        return whole(*arguments, **more)
+
+    monkeypatch.setattr(own, "layers_total", counted)
+    point, _ = predict_about(condition(replace(SMALL, bed="layers"), 0.5), Rig())
+    assert point.W_T_layers == point.W_T
+    assert len(followed) == len(own.LEVELS)

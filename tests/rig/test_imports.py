@@ -21,6 +21,7 @@ ALLOWED = {
         "daq.chain.block",
         "daq.chain.channel",
         "daq.child_processes",
+        "daq.compiled",
         "daq.documents",
         "daq.json_text",
         "daq.session",
@@ -32,7 +33,7 @@ ALLOWED = {
         "matplotlib",
     ),
     "rig.documents": ("rig.documents", "rig.errors", "daq.documents", "daq.regular_files", "yaml"),
-    "rig.kernels": ("rig.kernels", "numpy", "numba", "llvmlite"),
+    "rig.kernels": ("rig.kernels", "daq.compiled", "numpy", "numba", "llvmlite"),
     "rig.theory": ("rig.theory", "rig.kernels", "numpy"),
     "rig.lammps_engine": (
         "rig.lammps_engine",

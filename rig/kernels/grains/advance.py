@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.grains.arrays import (
     FASTEST,
     FAULT,

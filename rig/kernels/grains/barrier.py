@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from daq.compiled import njit
 
 LINE = 16
 """Integers per thread: two cache lines, so that no two threads write to one (false sharing)."""

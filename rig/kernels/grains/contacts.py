@@ -11,8 +11,8 @@ A step of 0 s gives the forces of grains as they lie: springs are relaxed, no wo
 import math
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.grains.arrays import (
     FX,
     FY,

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.grains.arrays import (
     INVERSE_INERTIA,
     INVERSE_MASS,

@@ -1,8 +1,8 @@
 """Sort the grains by cell, list who may touch whom, and carry the contacts' memory over."""
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.grains.arrays import (
     END_HIGH,
     END_LOW,

@@ -1,9 +1,9 @@
 """Random sequential addition: put balls where no other ball is."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.grains.arrays import Floats, Room
 
 

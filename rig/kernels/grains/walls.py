@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from daq.compiled import njit
 from rig.kernels.grains.arrays import (
     END_HIGH,
     END_LOW,

@@ -15,8 +15,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.rows.tiles import BAND, CHUNK, CLEARANCE, FIELDS, HI, LO, P, U, W, clear, total
 from rig.kernels.waveform import Array, Ints
 

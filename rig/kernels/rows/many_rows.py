@@ -8,9 +8,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.one_row import RowCycle, RowSet, cycle, no_events
 from rig.kernels.waveform import TWO_PI, Array, Ints, motion

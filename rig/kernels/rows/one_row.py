@@ -13,9 +13,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import TWO_PI, Array, Ints, jet, motion, near_by
 

@@ -12,8 +12,9 @@ the first, a hit one of the second.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from daq.compiled import njit
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.rows.tiles import (
     BAND,
     CHUNK,

@@ -3,9 +3,9 @@ voids.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import SAME
 from rig.kernels.rows.one_row import RowSet, cycle, no_events

@@ -9,8 +9,8 @@ rows on any machine.
 """
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.waveform import Array
 
 CHUNK = np.uint64(64)

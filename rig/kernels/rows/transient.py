@@ -5,9 +5,9 @@ cycle.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from daq.compiled import njit
 from rig.kernels.borrowed import borrowed
 from rig.kernels.rows.many_rows import HISTORY, find_recurrence
 from rig.kernels.rows.one_row import RowSet, cycle, no_events

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.rows.coupled_step import WINDOW, Pull, carry, collide, end_velocity, next_walls
 from rig.kernels.rows.sleeping import (
     FARTHEST,

@@ -11,8 +11,7 @@ relative accuracy, so that round-off cannot produce a false impact. Units of the
 
 import math
 
-from numba import njit
-
+from daq.compiled import njit
 from rig.kernels.roots import EXACT, NEAR, TIGHT, halley
 from rig.kernels.waveform import Array, near_by
 

@@ -7,8 +7,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.borrowed import borrowed
 from rig.kernels.single_mass.one_cycle import (
     MAX_EVENTS,

@@ -17,8 +17,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from daq.compiled import njit
 from rig.kernels.single_mass.flight import at, drift, reach, turn
 from rig.kernels.waveform import TWO_PI, Array, Ints, crossings, extrema, motion
 
