@@ -146,7 +146,7 @@ def test_beds_that_cannot_slide_keep_their_own(rig: Rig) -> None:
     assert found == ["own", "own", "column"]
 
 
-def test_rows_of_bed_layers_are_followed_once_a_level(monkeypatch):
+def test_rows_of_bed_layers_are_followed_once_a_level(monkeypatch, rig):
     """Its own prediction is the layers variant: computing both is work for nothing."""
     followed, whole = [], own.layers_total
 
@@ -155,6 +155,6 @@ def test_rows_of_bed_layers_are_followed_once_a_level(monkeypatch):
         return whole(*arguments, **more)
 
     monkeypatch.setattr(own, "layers_total", counted)
-    point, _ = predict_about(condition(replace(SMALL, bed="layers"), 0.5), Rig())
+    point, _ = predict_about(condition(replace(SMALL, bed="layers"), 0.5), rig)
     assert point.W_T_layers == point.W_T
     assert len(followed) == len(own.LEVELS)
